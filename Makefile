@@ -1,0 +1,49 @@
+# make demo: the paper's case from nothing.  make test: the whole suite.  make lint, build, clean.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+# What the compiled part and the metadata depend on; Python sources are read in place.
+NATIVE := pyproject.toml CMakeLists.txt src/_kernel.cpp $(wildcard src/modrobust/kernel/*.[ch]) \
+          src/modrobust/kernel/flags.txt
+REQUIRES := import tomllib; \
+  print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")
+
+.DELETE_ON_ERROR:
+.PHONY: demo test lint format build clean
+
+demo: $(VENV)/.installed
+	$(BIN)/modrobust simulate lwa4p-paper --scenario 1
+
+test: $(VENV)/.installed-test
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/.installed-test
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+format: $(VENV)/.installed-test
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+build: $(VENV)/.tools
+	rm -rf dist
+	$(BIN)/pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
+
+clean:
+	rm -rf $(VENV) build dist
+
+# The build tools go into the environment, so that a rebuild takes seconds.
+$(VENV)/.tools: pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -c '$(REQUIRES)' > $(VENV)/requires.txt
+	$(BIN)/pip install --quiet --requirement $(VENV)/requires.txt cmake ninja
+	touch $@
+
+$(VENV)/.installed: $(VENV)/.tools $(NATIVE)
+	$(BIN)/pip install --quiet --no-build-isolation --editable .
+	touch $@
+
+$(VENV)/.installed-test: $(VENV)/.tools $(NATIVE)
+	$(BIN)/pip install --quiet --no-build-isolation --editable '.[test]'
+	touch $@ $(VENV)/.installed
