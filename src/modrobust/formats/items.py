@@ -1,0 +1,182 @@
+"""What the files say, resolved: frozen, in SI units, tolerances applied.
+
+``Quantity`` is a number with hard closed bounds; ``inertia`` is always the six tensor entries
+xx, xy, xz, yy, yz, zz about the COM in body axes [kg m^2], products with their minus sign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.formats.nodes import Node, Where
+from modrobust.formats.perjoint import PerJoint
+from modrobust.formats.quantity import Quantity
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class JointItem:
+    """A joint about or along z of the frame where the chain has got to; it has no span."""
+
+    name: str
+    type: str  # "revolute" or "prismatic"; a continuous joint is revolute without position limits
+    position: tuple[float, float] | None  # [rad] or [m]
+    velocity: float | None  # [rad/s] or [m/s]
+    effort: float | None  # [N m] or [N]
+    acceleration: float | None  # [rad/s^2] or [m/s^2]
+    gear_ratio: float | None  # motor over joint: dimensionless, or [rad/m]; None = no drive
+    rotor_inertia: Quantity | None  # motor side [kg m^2]
+    viscous: Quantity | None  # joint side [N m s/rad] or [N s/m]
+    coulomb: Quantity | None  # joint side [N m] or [N]
+    coulomb_speed: float  # [rad/s] or [m/s]
+    where: Where
+
+
+@dataclass(frozen=True, eq=False)
+class BodyItem:
+    """A rigid body and the span (4, 4) that it bridges; its frame is the span's start or end."""
+
+    name: str
+    span: Array
+    at_end: bool
+    mass: Quantity  # [kg]
+    com: tuple[Quantity, Quantity, Quantity]  # [m], body axes
+    inertia: tuple[Quantity, Quantity, Quantity, Quantity, Quantity, Quantity]
+    where: Where
+
+
+@dataclass(frozen=True, eq=False)
+class FrameItem:
+    """A span (4, 4) without mass."""
+
+    name: str
+    span: Array
+    where: Where
+
+
+@dataclass(frozen=True)
+class NestedItem:
+    """A module mounted in a chain. `overrides` maps a path inside the module to a new value."""
+
+    module: str
+    as_name: str | None
+    mount: float  # [rad]
+    overrides: Mapping[str, Node]
+    where: Where
+
+
+Item = JointItem | BodyItem | FrameItem | NestedItem
+
+
+@dataclass(frozen=True)
+class Connector:
+    """One end of a module. `clocking` [rad] is the step of the allowed mounts, None = any."""
+
+    type: str
+    size: str | None
+    gender: str  # "m", "f" or "n"
+    clocking: float | None
+    where: Where
+
+
+@dataclass(frozen=True)
+class Module:
+    """A module file, resolved. `notes` holds the file's own notes and ours, for the user."""
+
+    id: str
+    name: str
+    source: tuple[str, ...]
+    licence: str | None
+    product: bool
+    connector_in: Connector | None
+    connector_out: Connector | None
+    items: tuple[Item, ...]
+    unused_tolerances: tuple[str, ...]
+    notes: tuple[str, ...]
+    where: Where
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A body in the end frame of instance `at` (None = the last of the chain).
+
+    `assumed_point`: neither inertia nor size was written; the inertia is exactly zero.
+    """
+
+    at: str | None
+    mass: Quantity
+    com: tuple[Quantity, Quantity, Quantity]
+    inertia: tuple[Quantity, Quantity, Quantity, Quantity, Quantity, Quantity]
+    assumed_point: bool
+    where: Where
+
+
+@dataclass(frozen=True)
+class Controller:
+    """Controller settings of the file; None = not written, the default holds."""
+
+    law: str | None = None
+    bound: str | None = None
+    K_r: PerJoint | None = None  # [1/s]
+    kappa_P: float | None = None
+    kappa_I: float | None = None
+    phi_P: float | None = None
+    phi_I: float | None = None
+    epsilon: float | None = None  # [rad] or [m]
+
+
+@dataclass(frozen=True)
+class Sines:
+    """q_des = amplitude * prod_k sin(omega_k t)."""
+
+    amplitude: PerJoint  # [rad] or [m]
+    omega: tuple[float, ...]  # [rad/s]
+    duration: float | None  # [s]
+
+
+@dataclass(frozen=True)
+class Quintic:
+    """Rest-to-rest through points: (time [s], position per joint)."""
+
+    points: tuple[tuple[float, PerJoint], ...]
+    duration: float | None  # [s]
+
+
+@dataclass(frozen=True)
+class Csv:
+    """A file of t and q, resolved against the description's directory."""
+
+    file: Path
+    duration: float | None  # [s]
+
+
+Trajectory = Sines | Quintic | Csv
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """An assembly file, resolved as far as that goes without the modules themselves."""
+
+    name: str
+    file: Path
+    modules: tuple[Path, ...]  # directories to search first
+    base: Array  # (4, 4), world to base frame
+    gravity: tuple[float, float, float]  # [m/s^2], world axes
+    chain: tuple[NestedItem, ...]
+    payload: Payload | None
+    disturbance: PerJoint | None  # [N m] or [N]
+    controller: Controller
+    trajectory: Trajectory | None
+    initial_q: PerJoint | None  # [rad] or [m]
+    initial_dq: PerJoint | None  # [rad/s] or [m/s]
+    scenarios: Mapping[str, Mapping[str, Node]]
+    where: Where
+    source: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    scenario_notes: Mapping[str, str] = field(default_factory=dict)
