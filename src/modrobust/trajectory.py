@@ -1,0 +1,429 @@
+r"""Desired motions :math:`q_d(t)`, sampled many instants at a time, at least twice differentiable.
+
+Every kind has ``sample(t (k,)) -> (q, dq, ddq)``, each ``(k, n)``, [rad] or [m], per s, per s^2.
+The control law (3), (4) needs all three; the kernel takes them as arrays, so that a run pays no
+Python per tick and any motion works.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.robot import Robot
+from modrobust.spline import CubicSpline
+from modrobust.trajectory_file import read_trajectory_csv
+
+Array = NDArray[np.float64]
+Samples = tuple[Array, Array, Array]
+
+DEFAULT_DURATION = 10.0  # [s]
+# Peak of the derivative of 10 s^3 - 15 s^4 + 6 s^5 over s in [0, 1], at s = 1/2.
+QUINTIC_PEAK_RATE = 1.875
+# (13) of Giusti and Althoff 2017.
+PAPER_AMPLITUDE = tuple(math.pi / x for x in (2.0, -4.0, 6.0, -6.0, 4.0, -2.0))  # [rad]
+PAPER_OMEGA = (math.pi / 5.0, math.pi / 2.0)  # [rad/s]
+
+_SPECS = ("paper", "quintic")
+
+
+class Trajectory(Protocol):
+    """A desired motion of ``n`` joints."""
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+
+    @property
+    def duration(self) -> float | None:
+        """How long a run takes when nobody says otherwise [s]; None for the general default."""
+
+    @property
+    def end(self) -> float:
+        """Last instant at which the motion is defined [s]; infinite where it goes on or holds."""
+
+    def sample(self, t: ArrayLike) -> Samples:
+        """Positions, velocities and accelerations at the instants ``t`` (k,) [s], each (k, n)."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """What describes the motion, for the settings of a run; numbers and texts only."""
+
+
+@dataclass(frozen=True)
+class Sines:
+    r"""Products of sines, as the paper's (13).
+
+    .. math:: q_d(t) = A \prod_k \sin(\omega_k t)
+
+    Args:
+        amplitude: ``A``, (n,) [rad] or [m].
+        omega: Angular rates, (k,) [rad/s].
+        duration: Default duration of a run [s].
+
+    Source: (13) of Giusti and Althoff 2017.
+    """
+
+    amplitude: tuple[float, ...]
+    omega: tuple[float, ...]
+    duration: float | None = None
+
+    def __post_init__(self) -> None:
+        _vector("amplitude", self.amplitude)
+        _vector("omega", self.omega)
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.amplitude)
+
+    @property
+    def end(self) -> float:
+        """The sines go on for ever."""
+        return math.inf
+
+    def sample(self, t: ArrayLike) -> Samples:
+        """Analytic derivatives by the product rule, one factor after the other."""
+        instants = _instants(t)
+        p, dp, ddp = np.ones_like(instants), np.zeros_like(instants), np.zeros_like(instants)
+        for omega in self.omega:
+            s = np.sin(omega * instants)
+            ds = omega * np.cos(omega * instants)
+            dds = -omega * omega * s
+            p, dp, ddp = p * s, dp * s + p * ds, ddp * s + 2.0 * dp * ds + p * dds
+        a = np.asarray(self.amplitude, dtype=np.float64)
+        return np.outer(p, a), np.outer(dp, a), np.outer(ddp, a)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Kind, amplitude and rates."""
+        return {"kind": "sines", "amplitude": list(self.amplitude), "omega": list(self.omega)}
+
+
+@dataclass(frozen=True, eq=False)
+class Quintic:
+    r"""Rest to rest through waypoints; holds the first before and the last after its time.
+
+    .. math:: q_d = p_k + (p_{k+1} - p_k)\,(10 s^3 - 15 s^4 + 6 s^5),
+              \quad s = (t - t_k) / (t_{k+1} - t_k)
+
+    Args:
+        times: Strictly increasing, (k,) [s].
+        points: Waypoints, (k, n) [rad] or [m].
+        duration: Default duration of a run [s]; the last time when None.
+        source: Where the waypoints come from, for the settings of a run.
+
+    Raises:
+        ShapeError: ``points`` does not have one row a time.
+        ValueRangeError: A number is not finite, or the times do not increase.
+    """
+
+    times: Array
+    points: Array
+    duration: float | None = None
+    source: str | None = None
+
+    def __post_init__(self) -> None:
+        times, points = _rows(self.times, self.points)
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "points", points)
+        if self.duration is None and times[-1] > 0.0:
+            object.__setattr__(self, "duration", float(times[-1]))
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return self.points.shape[1]
+
+    @property
+    def end(self) -> float:
+        """The last waypoint is held."""
+        return math.inf
+
+    def sample(self, t: ArrayLike) -> Samples:
+        """Velocity and acceleration are zero at every waypoint."""
+        instants = _instants(t)
+        if len(self.times) == 1:
+            q = np.repeat(self.points, len(instants), axis=0)
+            return q, np.zeros_like(q), np.zeros_like(q)
+        k = np.clip(np.searchsorted(self.times, instants, "right") - 1, 0, len(self.times) - 2)
+        length = self.times[k + 1] - self.times[k]
+        s = np.clip((instants - self.times[k]) / length, 0.0, 1.0)
+        step = self.points[k + 1] - self.points[k]
+        h = s**3 * (10.0 + s * (6.0 * s - 15.0))
+        dh = 30.0 * (s * (1.0 - s)) ** 2 / length
+        ddh = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / length**2
+        q = self.points[k] + h[:, None] * step
+        return q, dh[:, None] * step, ddh[:, None] * step
+
+    def to_dict(self) -> dict[str, Any]:
+        """Kind and waypoints, or where they come from."""
+        if self.source is not None:
+            return {"kind": "quintic", "source": self.source}
+        return {"kind": "quintic", "times": self.times.tolist(), "points": self.points.tolist()}
+
+
+@dataclass(frozen=True, eq=False)
+class Splined:
+    """A cubic spline through given rows; twice continuously differentiable.
+
+    Args:
+        times: Strictly increasing from 0, (k,) [s]; k >= 2.
+        points: Positions, (k, n) [rad] or [m].
+        duration: Default duration of a run [s]; the last time when None.
+        source: Where the rows come from, for the settings of a run.
+
+    Raises:
+        ShapeError: ``points`` does not have one row a time.
+        ValueRangeError: A number is not finite, or the times do not increase.
+
+    See `modrobust.spline` for the end conditions. The motion may be under way at its last row,
+    so it is not defined beyond it.
+    """
+
+    times: Array
+    points: Array
+    duration: float | None = None
+    source: str | None = None
+    _spline: CubicSpline = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        times, points = _rows(self.times, self.points)
+        if len(times) < 2:
+            raise ValueRangeError("trajectory: 1 row; a spline needs at least 2; add rows")
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "_spline", CubicSpline(times, points))
+        if self.duration is None:
+            object.__setattr__(self, "duration", float(times[-1]))
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return self.points.shape[1]
+
+    @property
+    def end(self) -> float:
+        """Time of the last row [s]."""
+        return float(self.times[-1])
+
+    def sample(self, t: ArrayLike) -> Samples:
+        """Derivatives of the spline; the end pieces go on beyond the ends."""
+        return self._spline(_instants(t))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Kind and rows, or where they come from."""
+        if self.source is not None:
+            return {"kind": "csv", "source": self.source}
+        return {"kind": "csv", "times": self.times.tolist(), "points": self.points.tolist()}
+
+
+def paper_trajectory(robot: Robot) -> Sines:
+    """The motion (13) of the paper, ten seconds of it.
+
+    Raises:
+        ShapeError: The robot does not have 6 joints.
+
+    Source: (13) of Giusti and Althoff 2017.
+    """
+    if robot.n != len(PAPER_AMPLITUDE):
+        raise ShapeError(
+            f'trajectory "paper": has 6 joints; robot "{robot.name}" has {robot.n}; '
+            'use "quintic" or a CSV file'
+        )
+    return Sines(PAPER_AMPLITUDE, PAPER_OMEGA, DEFAULT_DURATION)
+
+
+def default_trajectory(robot: Robot, duration: float = DEFAULT_DURATION, seed: int = 0) -> Quintic:
+    """Rest to rest through seeded waypoints, within position limits and half the velocity limits.
+
+    A waypoint about every 2.5 s, drawn from the middle 80 % of the position range, or from
+    +-pi/2 rad (+-0.25 m) where there is none, and pulled towards the previous one until the peak
+    velocity is at most half the limit (0.5 rad/s, 0.1 m/s where there is none).
+    """
+    rng = np.random.default_rng(seed)
+    revolute = np.array([kind == "revolute" for kind in robot.joint_types])
+    half = np.where(revolute, math.pi / 2.0, 0.25)  # [rad], [m]
+    lo, hi = robot.position_limits.T
+    lo, hi = (
+        np.where(np.isfinite(lo), lo, np.where(np.isfinite(hi), hi - 2.0 * half, -half)),
+        np.where(np.isfinite(hi), hi, np.where(np.isfinite(lo), lo + 2.0 * half, half)),
+    )
+    lo, hi = lo + 0.1 * (hi - lo), hi - 0.1 * (hi - lo)
+    finite = np.isfinite(robot.velocity_limits)
+    # 1.0 rad/s, 0.2 m/s where the description gives no limit.
+    speed = 0.5 * np.where(finite, robot.velocity_limits, np.where(revolute, 1.0, 0.2))
+    segments = max(1, round(duration / 2.5))
+    times = np.linspace(0.0, duration, segments + 1)
+    longest = speed * (duration / segments) / QUINTIC_PEAK_RATE
+    points = [np.clip(np.zeros(robot.n), lo, hi)]
+    for _ in range(segments):
+        step = rng.uniform(lo, hi) - points[-1]
+        points.append(points[-1] + np.clip(step, -longest, longest))
+    return Quintic(times, np.array(points), duration, source=f"default, seed {seed}")
+
+
+def make_trajectory(
+    robot: Robot,
+    spec: Trajectory | str | Path | None = None,
+    duration: float | None = None,
+) -> Trajectory:
+    """The motion that ``spec`` names.
+
+    Args:
+        robot: Robot with ``n`` joints.
+        spec: A trajectory; ``"paper"`` for (13); ``"quintic"`` for `default_trajectory`;
+            ``"FILE.csv"``, splined; ``"quintic:FILE.csv"``, rest to rest through the rows; None
+            for the description's own, or the default where it has none.
+        duration: Length of the default motion [s].
+
+    Raises:
+        FileError, DescriptionError: The CSV file cannot be read, or a row of it is wrong.
+        ShapeError: The trajectory has another number of joints than the robot.
+        ValueRangeError: ``spec`` names no trajectory.
+    """
+    trajectory = _make(robot, spec, DEFAULT_DURATION if duration is None else duration)
+    if trajectory.n != robot.n:
+        raise ShapeError(
+            f'trajectory: has {trajectory.n} joints; robot "{robot.name}" has {robot.n} joints'
+        )
+    return trajectory
+
+
+def _make(robot: Robot, spec: Trajectory | str | Path | None, duration: float) -> Trajectory:
+    if spec is None:
+        return _from_settings(robot, duration)
+    if not isinstance(spec, str | Path):
+        return spec
+    text = str(spec)
+    if text == "paper":
+        return paper_trajectory(robot)
+    if text == "quintic":
+        return default_trajectory(robot, duration)
+    rest_to_rest = text.startswith("quintic:")
+    file = text.removeprefix("quintic:")
+    if not file.lower().endswith(".csv"):
+        close = get_close_matches(text, _SPECS, 1)
+        hint = f'did you mean "{close[0]}"? ' if close else ""
+        raise ValueRangeError(
+            f'trajectory: no trajectory "{text}"; {hint}'
+            "known: paper, quintic, FILE.csv, quintic:FILE.csv"
+        )
+    times, points = read_trajectory_csv(file, robot.joint_names)
+    if rest_to_rest:
+        return Quintic(times, points, source=file)
+    return Splined(times, points, source=file)
+
+
+def _from_settings(robot: Robot, duration: float) -> Trajectory:
+    own = robot.trajectory
+    if own is None:
+        return default_trajectory(robot, duration)
+    if own.kind == "sines":
+        return Sines(own.amplitude, own.omega, own.duration)
+    if own.kind == "quintic":
+        return Quintic(np.array(own.times), np.array(own.points), own.duration)
+    if own.kind == "csv" and own.file is not None:
+        times, points = read_trajectory_csv(own.file, robot.joint_names)
+        return Splined(times, points, own.duration, source=own.file)
+    raise ValueRangeError(f'trajectory: unknown kind "{own.kind}"; known: sines, quintic, csv')
+
+
+def check_limits(robot: Robot, trajectory: Trajectory, duration: float) -> None:
+    """Refuse a motion that leaves the robot's position or velocity limits within ``duration`` [s].
+
+    The motion is looked at every millisecond (at least 1000 times, at most a million).
+
+    Raises:
+        ValueRangeError: Names the joint, its largest excess, the limit and the time.
+    """
+    count = int(min(max(math.ceil(duration * 1e3), 1000), 1_000_000)) + 1
+    for chunk in np.array_split(np.linspace(0.0, duration, count), math.ceil(count / 50_000)):
+        q, dq, _ = trajectory.sample(chunk)
+        lo, hi = robot.position_limits.T
+        _refuse(robot, chunk, q, np.maximum(lo - q, q - hi), (lo, hi), "position")
+        limit = robot.velocity_limits
+        _refuse(robot, chunk, dq, np.abs(dq) - limit, (-limit, limit), "velocity")
+
+
+def _refuse(
+    robot: Robot, t: Array, value: Array, excess: Array, limits: tuple[Array, Array], what: str
+) -> None:
+    # A motion up to the limit itself is fine, whatever the rounding of its samples.
+    scale = np.maximum(np.abs(limits[0]), np.abs(limits[1]))
+    over = excess > 1e-9 * np.where(np.isfinite(scale), scale, 0.0)
+    if not over.any():
+        return
+    j = int(np.flatnonzero(over[int(np.argmax(over.any(axis=1)))])[0])
+    k = int(np.argmax(excess[:, j]))
+    unit = "rad" if robot.joint_types[j] == "revolute" else "m"
+    verb = "is at"
+    if what == "velocity":
+        unit += "/s"
+        verb = "moves at"
+    remedy = "slow the motion down" if what == "velocity" else "make the motion smaller"
+    raise ValueRangeError(
+        f'trajectory: joint "{robot.joint_names[j]}" {verb} {value[k, j]:.6g} {unit} at '
+        f"t = {t[k]:.6g} s; its {what} must stay in "
+        f"[{limits[0][j]:.6g}, {limits[1][j]:.6g}] {unit}; {remedy}"
+    )
+
+
+def check_duration(duration: float, trajectory: Trajectory | None = None) -> None:
+    """Refuse a duration [s] that is not positive and finite, or beyond the motion's end."""
+    if not (math.isfinite(duration) and duration > 0.0):
+        raise ValueRangeError(f"duration: {duration:g} s; must be positive and finite")
+    if trajectory is not None and duration > trajectory.end * (1.0 + 1e-12):
+        raise ValueRangeError(
+            f"duration: {duration:g} s is longer than the motion, which ends at "
+            f"{trajectory.end:g} s; shorten it or add rows"
+        )
+
+
+def _instants(t: ArrayLike) -> Array:
+    return np.atleast_1d(np.asarray(t, dtype=np.float64))
+
+
+def _vector(name: str, value: ArrayLike) -> Array:
+    array = np.asarray(value, dtype=np.float64)
+    if array.ndim != 1 or array.size == 0:
+        raise ShapeError(f"trajectory {name}: expected a list of numbers, got shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise ValueRangeError(f"trajectory {name}: {array.tolist()}; every number must be finite")
+    return array
+
+
+def _rows(times: ArrayLike, points: ArrayLike) -> tuple[Array, Array]:
+    t = _vector("times", times)
+    q = np.array(points, dtype=np.float64)
+    if q.ndim != 2 or len(q) != len(t) or q.shape[1] == 0:
+        raise ShapeError(f"trajectory points: expected shape ({len(t)}, n), got {q.shape}")
+    if not np.isfinite(q).all():
+        raise ValueRangeError("trajectory points: every number must be finite")
+    if not (np.diff(t) > 0.0).all():
+        k = int(np.argmin(np.diff(t) > 0.0))
+        raise ValueRangeError(
+            f"trajectory times: {t[k + 1]:g} s follows {t[k]:g} s; times must increase"
+        )
+    if t[0] < 0.0:
+        raise ValueRangeError(f"trajectory times: first is {t[0]:g} s; a motion starts at 0 s")
+    return t, q
+
+
+__all__ = [
+    "DEFAULT_DURATION",
+    "Quintic",
+    "Sines",
+    "Splined",
+    "Trajectory",
+    "check_duration",
+    "check_limits",
+    "default_trajectory",
+    "make_trajectory",
+    "paper_trajectory",
+]

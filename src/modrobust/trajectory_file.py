@@ -1,0 +1,152 @@
+"""Motions from a CSV file: rows of ``t [s], q_1 ... q_n`` in [rad] or [m].
+
+With a header ``t,<joint names>`` the columns may come in any order; without one they are in the
+robot's order. Empty lines and lines that start with ``#`` are skipped.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from difflib import get_close_matches
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.errors import DescriptionError, FileError
+
+Array = NDArray[np.float64]
+
+MAX_BYTES = 256 * 1024 * 1024
+
+
+def read_trajectory_csv(file: str | Path, joint_names: Sequence[str]) -> tuple[Array, Array]:
+    """Times (k,) [s] and positions (k, n) [rad] or [m] of a CSV file.
+
+    Raises:
+        FileError: The file is missing, not readable as text, empty or far too large.
+        DescriptionError: A row is wrong; the message has its line.
+    """
+    rows = _rows(file)
+    if not rows:
+        raise FileError(file, "no rows; a trajectory has rows of t and one position per joint")
+    line, first = rows[0]
+    order: list[int] | None = None
+    if not _is_number(first[0]):
+        order = _header(file, line, first, joint_names)
+        rows = rows[1:]
+        if not rows:
+            raise FileError(file, "a header without rows; add rows of t and one position per joint")
+    table = np.array([_numbers(file, number, row, joint_names) for number, row in rows])
+    _check_times(file, [number for number, _ in rows], table[:, 0])
+    points = table[:, 1:] if order is None else table[:, 1:][:, order]
+    return table[:, 0].copy(), np.ascontiguousarray(points)
+
+
+def _rows(file: str | Path) -> list[tuple[int, list[str]]]:
+    path = Path(file)
+    try:
+        if path.is_dir():
+            raise FileError(file, "is a directory; expected a CSV file")
+        if path.stat().st_size > MAX_BYTES:
+            raise FileError(file, "is larger than 256 MiB; thin the rows out")
+        text = path.read_bytes().decode("utf-8-sig")
+    except FileNotFoundError:
+        raise FileError(file, "no such file; give the path of a CSV file of t and q") from None
+    except UnicodeDecodeError:
+        raise FileError(file, "not a text file in UTF-8; expected a CSV file") from None
+    except OSError as error:
+        raise FileError(file, f"cannot be read: {error.strerror}") from None
+    if "\0" in text:
+        raise FileError(file, "a binary file; expected a CSV file")
+    reader = csv.reader(text.splitlines(), skipinitialspace=True)
+    rows = []
+    try:
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if any(cells) and not cells[0].startswith("#"):
+                rows.append((reader.line_num, cells))
+    except csv.Error as error:
+        raise DescriptionError(file, reader.line_num, "", f"not a CSV row: {error}") from None
+    return rows
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _header(file: str | Path, line: int, names: list[str], joint_names: Sequence[str]) -> list[int]:
+    """Column of each joint, not counting the time."""
+    if names[0] != "t":
+        raise DescriptionError(
+            file,
+            line,
+            "header",
+            f'first column is "{names[0]}"; must be t, then the joint names',
+        )
+    columns = names[1:]
+    for name in columns:
+        if name not in joint_names:
+            close = get_close_matches(name, joint_names, 1)
+            hint = f'did you mean "{close[0]}"? ' if close else ""
+            raise DescriptionError(
+                file, line, "header", f'no joint "{name}"; {hint}known: {", ".join(joint_names)}'
+            )
+        if columns.count(name) > 1:
+            raise DescriptionError(
+                file, line, "header", f'joint "{name}" appears twice; name it once'
+            )
+    missing = [name for name in joint_names if name not in columns]
+    if missing:
+        raise DescriptionError(
+            file, line, "header", f"no column for {', '.join(missing)}; every joint needs one"
+        )
+    return [columns.index(name) for name in joint_names]
+
+
+def _numbers(
+    file: str | Path, line: int, row: list[str], joint_names: Sequence[str]
+) -> list[float]:
+    if len(row) != len(joint_names) + 1:
+        raise DescriptionError(
+            file,
+            line,
+            "",
+            f"{len(row)} columns; expected {len(joint_names) + 1}: t and one position for each of "
+            f"{len(joint_names)} joints, separated by commas",
+        )
+    numbers = []
+    for column, text in enumerate(row, start=1):
+        field = f"column {column}"
+        try:
+            value = float(text)
+        except ValueError:
+            raise DescriptionError(
+                file, line, field, f'"{text}" is not a number; positions are in rad or m, t in s'
+            ) from None
+        if not math.isfinite(value):
+            raise DescriptionError(file, line, field, f'"{text}"; every number must be finite')
+        numbers.append(value)
+    return numbers
+
+
+def _check_times(file: str | Path, lines: list[int], t: Array) -> None:
+    if t[0] != 0.0:
+        raise DescriptionError(
+            file,
+            lines[0],
+            "t",
+            f"{t[0]:g} s; a motion starts at 0 s; subtract it from the column",
+        )
+    back = np.flatnonzero(np.diff(t) <= 0.0)
+    if len(back):
+        k = int(back[0])
+        raise DescriptionError(
+            file, lines[k + 1], "t", f"{t[k + 1]:g} s follows {t[k]:g} s; times must increase"
+        )
