@@ -153,7 +153,7 @@ def _decompose(transform: Array) -> _Step:
 
 
 def _parallel(rotation: Array, p: Array, *, near: bool) -> _Step:
-    """Parallel axes: the feet may lie anywhere, so the next one is put on the next frame (h = 0)."""
+    """Parallel axes: the feet may lie anywhere; the next one goes to the next frame (h = 0)."""
     distance = math.hypot(p[0], p[1])
     alpha = 0.0 if rotation[2, 2] > 0.0 else math.pi
     if distance <= _TOUCHING:  # one line: keep the next frame's x axis (phi = 0)

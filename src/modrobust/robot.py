@@ -9,45 +9,30 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modrobust.dh import DHTable, dh_table
+from modrobust.errors import ValueRangeError
+from modrobust.parameters import Bounded, Parameters, freeze
+from modrobust.sampling import corner_point, physical_pull, sample_point
+
+if TYPE_CHECKING:
+    from modrobust._kernel import Model
+
+__all__ = [
+    "Bounded",
+    "ControllerSettings",
+    "ModuleNode",
+    "Parameters",
+    "Robot",
+    "TrajectorySettings",
+]
+
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Bounded:
-    """A nominal value with hard closed bounds, arrays of one shape."""
-
-    nominal: Array
-    lo: Array
-    hi: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Parameters:
-    """One point of the dynamic parameters, in the order of the robot's bodies and joints.
-
-    mass (b,) [kg]; com (b, 3) [m] in body axes; inertia (b, 3, 3) [kg m^2] about the COM in body
-    axes, tensor entries; rotor_inertia (n,) [kg m^2] motor side; viscous (n,) [N m s/rad] or
-    [N s/m]; coulomb (n,) [N m] or [N], joint side.
-    """
-
-    mass: Array
-    com: Array
-    inertia: Array
-    rotor_inertia: Array
-    viscous: Array
-    coulomb: Array
-
-    @cached_property
-    def packed(self) -> Array:
-        """All parameters in the kernel's order, one contiguous vector (10 b + 3 n,)."""
-        i = self.inertia
-        six = np.stack([i[:, 0, 0], i[:, 0, 1], i[:, 0, 2], i[:, 1, 1], i[:, 1, 2], i[:, 2, 2]], 1)
-        parts = (self.mass, self.com, six, self.rotor_inertia, self.viscous, self.coulomb)
-        return np.concatenate([np.ravel(part) for part in parts])
 
 
 @dataclass(frozen=True)
@@ -124,7 +109,9 @@ class Robot:
     controller: ControllerSettings
     exact: tuple[str, ...] = ()
     not_modelled: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()  # assumptions and remarks for the user, e.g. a payload as a point mass
+    notes: tuple[
+        str, ...
+    ] = ()  # assumptions and remarks for the user, e.g. a payload as a point mass
     scenarios: Mapping[str, Parameters] = field(default_factory=dict)
     trajectory: TrajectorySettings | None = None
     initial_q: Array | None = None  # (n,), None = start on the trajectory
@@ -132,7 +119,168 @@ class Robot:
     modules: tuple[ModuleNode, ...] = ()
     version: int = 1
 
+    def __post_init__(self) -> None:
+        freeze(self)
+        object.__setattr__(self, "scenarios", MappingProxyType(dict(self.scenarios)))
+
     @property
     def n(self) -> int:
         """Number of joints."""
         return len(self.joint_names)
+
+    @property
+    def b(self) -> int:
+        """Number of bodies, base-fixed ones and the payload included."""
+        return len(self.body_names)
+
+    @cached_property
+    def model(self) -> Model:
+        """The kernel's view of the geometry, made once.
+
+        The kernel works in the base frame, so gravity is turned there: base' g.
+        """
+        from modrobust import _kernel  # compiled; a robot can be read and shown without it
+
+        return _kernel.Model(
+            np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.int32),
+            self.parents,
+            self.before,
+            self.after,
+            np.ascontiguousarray(self.base[:3, :3].T @ self.gravity),
+            self.body_joints,
+            self.placement,
+            self.gear_ratio,
+            self.coulomb_speed,
+        )
+
+    @cached_property
+    def dh(self) -> DHTable | None:
+        """Standard D-H table in the base frame, for display; None when joints branch."""
+        if not np.array_equal(self.parents, np.arange(-1, self.n - 1)):
+            return None
+        return dh_table(self.parents, self.before, self.after)
+
+    def sample_parameters(self, rng: np.random.Generator | int) -> Parameters:
+        """A physical point of the box, uniform in each entry; tensors by rejection per body.
+
+        Every tensor is positive definite and keeps the triangle inequality (as far as the nominal
+        one does). Where 1,365 draws in a row are not physical, the last one is pulled straight
+        towards nominal until it is. Exact entries stay exact.
+
+        Args:
+            rng: A numpy Generator, or an int that seeds one.
+        """
+        return sample_point(self.nominal, self.lower, self.upper, np.random.default_rng(rng))
+
+    def corner_parameters(self, rng: np.random.Generator | int) -> Parameters:
+        """A vertex of the box, each entry lower or upper by a coin; perhaps not a physical one.
+
+        Args:
+            rng: A numpy Generator, or an int that seeds one.
+        """
+        return corner_point(self.lower, self.upper, np.random.default_rng(rng))
+
+    def physical_corner(
+        self, which: str, rng: np.random.Generator | int = 0
+    ) -> tuple[Parameters, tuple[str, ...]]:
+        """A vertex of the box that a real robot could have, as nearly as the box allows.
+
+        Tensors that no body can have are pulled straight towards nominal until one can.
+
+        Args:
+            which: "lower", "upper", or "corner" for the one that `corner_parameters` draws.
+            rng: A numpy Generator, or an int that seeds one; used by "corner".
+
+        Returns:
+            The point, and the names of the bodies whose tensor was pulled, for reporting.
+
+        Raises:
+            ValueRangeError: `which` is something else.
+        """
+        if which not in ("lower", "upper", "corner"):
+            raise ValueRangeError(f'which: "{which}" is none of lower, upper, corner')
+        ends = {"lower": self.lower, "upper": self.upper}
+        vertex = ends[which] if which in ends else self.corner_parameters(rng)
+        point, pulled = physical_pull(self.nominal, vertex)
+        return point, tuple(self.body_names[k] for k in pulled)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The resolved robot as plain Python, ready for JSON; numbers round-trip exactly.
+
+        Keys and conventions: docs/formats.md, "The resolved robot".
+        """
+        joints = [self._joint_dict(i) for i in range(self.n)]
+        bodies = [
+            {
+                "name": name,
+                "joint": int(self.body_joints[k]),
+                "placement": self.placement[k].tolist(),
+                "mass": self._bounded("mass", k),
+                "com": self._bounded("com", k),
+                "inertia": self._bounded("inertia", k),
+            }
+            for k, name in enumerate(self.body_names)
+        ]
+        d = self.disturbance
+        return {
+            "robot": self.name,
+            "version": self.version,
+            "gravity": self.gravity.tolist(),
+            "base": self.base.tolist(),
+            "joints": joints,
+            "bodies": bodies,
+            "disturbance": [_q(d.nominal[i], d.lo[i], d.hi[i]) for i in range(self.n)],
+            "dh": None if self.dh is None else _dh_dict(self.dh),
+            "exact": list(self.exact),
+            "not_modelled": list(self.not_modelled),
+        }
+
+    def _joint_dict(self, i: int) -> dict[str, Any]:
+        position = self.position_limits[i]
+        return {
+            "name": self.joint_names[i],
+            "type": self.joint_types[i],
+            "parent": int(self.parents[i]),
+            "before": self.before[i].tolist(),
+            "after": self.after[i].tolist(),
+            "limits": {
+                "position": position.tolist() if np.isfinite(position).all() else None,
+                "velocity": _finite(self.velocity_limits[i]),
+                "effort": _finite(self.effort_limits[i]),
+            },
+            "drive": {
+                "gear_ratio": float(self.gear_ratio[i]),
+                "rotor_inertia": self._bounded("rotor_inertia", i),
+            },
+            "friction": {
+                "viscous": self._bounded("viscous", i),
+                "coulomb": self._bounded("coulomb", i),
+                "coulomb_speed": float(self.coulomb_speed[i]),
+            },
+        }
+
+    def _bounded(self, name: str, index: int) -> dict[str, Any]:
+        points = (self.nominal, self.lower, self.upper)
+        return _q(*(getattr(point, name)[index] for point in points))
+
+
+def _q(nominal: Any, lo: Any, hi: Any) -> dict[str, Any]:
+    return {"nominal": nominal.tolist(), "lo": lo.tolist(), "hi": hi.tolist()}
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _dh_dict(table: DHTable) -> dict[str, Any]:
+    rows = [
+        {
+            "a": row.a,
+            "alpha": row.alpha,
+            "d": row.d,
+            "theta": row.theta,
+            "near_parallel": row.near_parallel,
+        }
+        for row in table.rows
+    ]
+    return {"base": table.base.tolist(), "tool": table.tool.tolist(), "rows": rows}

@@ -1,0 +1,96 @@
+"""Dynamic parameters as frozen arrays: one point, or a nominal value with bounds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.errors import ShapeError, ValueRangeError
+
+Array = NDArray[np.float64]
+
+
+def freeze(instance: object) -> None:
+    """Replaces every array of a frozen dataclass by a read-only copy of its own."""
+    for item in fields(instance):  # type: ignore[arg-type]
+        value = getattr(instance, item.name)
+        if isinstance(value, np.ndarray):
+            kind = np.int32 if value.dtype.kind in "iu" else np.float64
+            copy = np.array(value, dtype=kind, order="C")
+            copy.setflags(write=False)
+            object.__setattr__(instance, item.name, copy)
+
+
+@dataclass(frozen=True, eq=False)
+class Bounded:
+    """A nominal value with hard closed bounds, arrays of one shape."""
+
+    nominal: Array
+    lo: Array
+    hi: Array
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Parameters:
+    """One point of the dynamic parameters, in the order of the robot's bodies and joints.
+
+    mass (b,) [kg]; com (b, 3) [m] in body axes; inertia (b, 3, 3) [kg m^2] about the COM in body
+    axes, tensor entries; rotor_inertia (n,) [kg m^2] motor side; viscous (n,) [N m s/rad] or
+    [N s/m]; coulomb (n,) [N m] or [N], joint side. The arrays are copied and read-only.
+
+    Raises:
+        ShapeError: The arrays do not agree in b or in n, or an inertia is not symmetric.
+        ValueRangeError: An entry is infinite or not a number.
+    """
+
+    mass: Array
+    com: Array
+    inertia: Array
+    rotor_inertia: Array
+    viscous: Array
+    coulomb: Array
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = np.asarray(getattr(self, item.name), dtype=np.float64)
+            object.__setattr__(self, item.name, value)
+        b, n = self.mass.size, self.rotor_inertia.size
+        for name, shape in _shapes(b, n).items():
+            value = getattr(self, name)
+            if value.shape != shape:
+                raise ShapeError(
+                    f"{name}: expected shape {shape}, got {value.shape}; {b} bodies from mass, "
+                    f"{n} joints from rotor_inertia"
+                )
+            if not np.isfinite(value).all():
+                raise ValueRangeError(f"{name}: found an entry that is not finite; give numbers")
+        if not np.array_equal(self.inertia, np.swapaxes(self.inertia, 1, 2)):
+            raise ShapeError("inertia: found a tensor that is not symmetric; give symmetric ones")
+        freeze(self)
+
+    @cached_property
+    def packed(self) -> Array:
+        """All parameters in the kernel's order, one contiguous vector (10 b + 3 n,)."""
+        i = self.inertia
+        six = np.stack([i[:, 0, 0], i[:, 0, 1], i[:, 0, 2], i[:, 1, 1], i[:, 1, 2], i[:, 2, 2]], 1)
+        parts = (self.mass, self.com, six, self.rotor_inertia, self.viscous, self.coulomb)
+        vector = np.concatenate([np.ravel(part) for part in parts])
+        vector.setflags(write=False)
+        return vector
+
+
+def _shapes(b: int, n: int) -> dict[str, tuple[int, ...]]:
+    return {
+        "mass": (b,),
+        "com": (b, 3),
+        "inertia": (b, 3, 3),
+        "rotor_inertia": (n,),
+        "viscous": (n,),
+        "coulomb": (n,),
+    }
