@@ -1,0 +1,120 @@
+"""Where results go: tables and JSON on stdout, progress on stderr, files whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import stat
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from modrobust.errors import FileError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress
+    from rich.table import Table
+
+
+def console() -> Console:
+    """The console of results; no colour when stdout is no terminal or NO_COLOR is set."""
+    from rich.console import Console
+
+    return Console(highlight=False, soft_wrap=False)
+
+
+def table(*columns: str, title: str | None = None, left: int = 1) -> Table:
+    """An empty compact table; all but the first `left` columns hold numbers, to the right."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    empty = Table(
+        title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0)
+    )
+    for index, column in enumerate(columns):
+        empty.add_column(column, justify="left" if index < left else "right")
+    return empty
+
+
+def json_text(data: Mapping[str, Any] | list[Any]) -> str:
+    """JSON with every number as its shortest text that reads back exactly."""
+    return json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def print_json(data: Mapping[str, Any] | list[Any]) -> None:
+    """Write JSON and nothing else to stdout."""
+    sys.stdout.write(json_text(data))
+
+
+def note(text: str) -> None:
+    """Say something that is not a result."""
+    sys.stderr.write(f"{text}\n")
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A temporary file beside `path` that takes its place at the end; no trace on failure.
+
+    The temporary file is made at once, so that an unwritable place is known before the work.
+
+    Raises:
+        FileError: The place cannot be written.
+    """
+    target = Path(os.path.realpath(path))  # a link stays a link
+    part = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix}")
+    try:
+        if target.exists() and not stat.S_ISREG(target.stat().st_mode):
+            raise FileError(path, "is not a regular file; give the name of a file to write")
+        if target.exists() and not os.access(target, os.W_OK):
+            raise PermissionError(None, "Permission denied")
+        os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+    except OSError as error:
+        reason = (error.strerror or "unknown reason").lower()
+        raise FileError(
+            path, f"cannot be written: {reason}; give a file in an existing, writable folder"
+        ) from None
+    try:
+        yield part
+        os.replace(part, target)
+    except OSError as error:
+        reason = (error.strerror or "unknown reason").lower()
+        raise FileError(path, f"cannot be written: {reason}; nothing was left there") from None
+    finally:
+        part.unlink(missing_ok=True)
+
+
+class ProgressBar:
+    """A bar on stderr for what takes longer than a second; silent in a pipe.
+
+    Call it with the part that is done, from 0 to 1.
+    """
+
+    def __init__(self, label: str) -> None:
+        self._label = label
+        self._start = time.monotonic()
+        self._bar: Progress | None = None
+
+    def __enter__(self) -> ProgressBar:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def __call__(self, done: float) -> None:
+        if self._bar is None:
+            elapsed = time.monotonic() - self._start
+            if not sys.stderr.isatty() or elapsed < max(0.1, done):  # under a second in all
+                return
+            from rich.console import Console
+            from rich.progress import Progress
+
+            self._bar = Progress(console=Console(stderr=True), transient=True)
+            self._task = self._bar.add_task(self._label, total=1.0)
+            self._bar.start()
+        self._bar.update(self._task, completed=done)

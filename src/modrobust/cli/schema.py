@@ -1,0 +1,26 @@
+"""``modrobust schema``: the JSON Schema of the description files."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import typer
+
+EXAMPLES = """\b
+Examples:
+  modrobust schema module > module.schema.json
+  modrobust schema assembly
+"""
+
+
+def schema(
+    kind: Annotated[Literal["module", "assembly"], typer.Argument(help="Which kind of file.")],
+) -> None:
+    """Print the JSON Schema of module or assembly files, for editors."""
+    from modrobust.cli.output import print_json
+    from modrobust.formats import json_schema
+
+    print_json(json_schema(kind))
+
+
+command = schema
