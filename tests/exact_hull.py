@@ -11,9 +11,9 @@ import itertools
 from typing import Any
 
 import numpy as np
-from oracle import Interval, box, drive_torque, newton_euler
 
 from modrobust.robot import Parameters, Robot
+from oracle import Interval, box, drive_torque, newton_euler
 
 SIX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 LONG = np.longdouble

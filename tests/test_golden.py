@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracle import link_frames, turn_z
-from random_robots import point_robot
 
 import modrobust as mr
 from modrobust.robot import Parameters, Robot
+from oracle import link_frames, turn_z
+from random_robots import point_robot
 
 GOLDEN = json.loads((Path(__file__).parent / "data" / "lwa4p_golden.json").read_text())
 CASES = GOLDEN["cases"]
