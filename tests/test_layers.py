@@ -38,6 +38,8 @@ LAYERS = {
     "spline": 4,
     "trajectory": 4,
     "trajectory_file": 4,
+    "metrics": 5,
+    "result": 5,
     "simulation": 5,
     "benchmark": 5,
     "export": 5,

@@ -1,0 +1,272 @@
+r"""The robust tracking controller: a nominal passivity-based torque and a worst-case robust one.
+
+.. math::
+   u &= M(q, \Delta_0)\,\ddot q_a + C(q, \dot q, \Delta_0)\,\dot q_a + g(q, \Delta_0) + v  & (3) \\
+   \dot q_a &= \dot q_d + K_r \tilde q, \quad \tilde q = q_d - q,
+     \quad r = \dot{\tilde q} + K_r \tilde q                                               & (4) \\
+   v &= \left(\kappa(t)\,\|\rho([\Phi])\| + \varphi(t)\right) r                            & (7) \\
+   \rho([\Phi]) &= \max(|\underline\Phi|, |\overline\Phi|)                                 & (8)
+
+Source: Giusti and Althoff 2017. The command is computed in C, ``mr_command``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from modrobust import _kernel
+from modrobust.arrays import kernel_errors, rows, vector
+from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.robot import ControllerSettings, Robot
+
+Array = NDArray[np.float64]
+
+LAWS: Mapping[str, int] = {"norm": 0}
+BOUNDS: Mapping[str, int] = {"hull": _kernel.HULL, "ianea": _kernel.IANEA}
+
+PerJoint = float | Mapping[str, float] | Sequence[float] | Array
+
+
+@dataclass(frozen=True, eq=False)
+class Command:
+    """What the controller answers; every vector has shape ``(n,)``, [N m] or [N]."""
+
+    tau: Array
+    """Torque to apply, u of (3): ``nominal + v``."""
+    nominal: Array
+    """Nominal part u_0, the very numbers that [Phi] refers to."""
+    v: Array
+    """Robust part, (7)."""
+    phi_lo: Array
+    """Lower bound of the perturbation, (12)."""
+    phi_hi: Array
+    """Upper bound of the perturbation, (12)."""
+    rho: Array
+    """Worst case of each joint, (8)."""
+    rho_norm: float
+    """Euclidean norm of ``rho``."""
+
+
+class RobustController:
+    r"""The control law (3), (4), (7), (8) for one robot, with its integrators.
+
+    .. math::
+       \kappa(t) = \kappa_P + \kappa_I \int_0^t f(\|\tilde q\|)\,d\tau, \quad
+       \varphi(t) = \varphi_P + \varphi_I \int_0^t f(\|\tilde q\|)\,d\tau, \quad
+       f(x) = 0 \text{ if } x < \varepsilon \text{ else } x
+
+    The integral advances by ``f(previous error) (t - previous t)`` at each command, by 0 at the
+    first: it never uses an error that the robot has not yet had.
+
+    Args:
+        robot: Robot with ``n`` joints. Its controller settings are the defaults of the rest.
+        law: ``"norm"``, the paper's (7).
+        bound: How [Phi] is computed: ``"hull"``, the exact hull, or ``"ianea"``, Algorithm 1.
+        K_r: Diagonal of K_r [1/s], positive: one number for all joints, a mapping by joint name,
+            or ``(n,)``.
+        kappa_P, kappa_I: Gains of kappa, [1], [1/s] per unit of error; not negative.
+        phi_P, phi_I: Gains of phi; not negative.
+        epsilon: Norm of the tracking error within which the integral rests [rad] or [m]; positive.
+
+    Raises:
+        ShapeError: ``K_r`` does not have one entry a joint.
+        ValueRangeError: A setting is unknown, not finite or out of its range.
+
+    Source: (3) to (8) and Section V of Giusti and Althoff 2017.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        *,
+        law: str | None = None,
+        bound: str | None = None,
+        K_r: PerJoint | None = None,
+        kappa_P: float | None = None,
+        kappa_I: float | None = None,
+        phi_P: float | None = None,
+        phi_I: float | None = None,
+        epsilon: float | None = None,
+    ) -> None:
+        own = robot.controller
+
+        def gain(name: str, value: float | None) -> float:
+            return _gain(name, getattr(own, name) if value is None else value)
+
+        self.robot = robot
+        self.settings = ControllerSettings(
+            K_r=_per_joint("K_r", robot, own.K_r if K_r is None else K_r),
+            law=_known("law", own.law if law is None else law, LAWS),
+            bound=_known("bound", own.bound if bound is None else bound, BOUNDS),
+            kappa_P=gain("kappa_P", kappa_P),
+            kappa_I=gain("kappa_I", kappa_I),
+            phi_P=gain("phi_P", phi_P),
+            phi_I=gain("phi_I", phi_I),
+            epsilon=gain("epsilon", epsilon),
+        )
+        if self.settings.epsilon <= 0.0:
+            raise ValueRangeError(
+                f"epsilon: {self.settings.epsilon:g}; must be positive: it is the radius that the "
+                "tracking error is to stay in"
+            )
+        self.kernel = make_kernel_controller(robot, self.settings)
+
+    def command(
+        self,
+        t: float,
+        q: ArrayLike,
+        dq: ArrayLike,
+        q_des: ArrayLike,
+        dq_des: ArrayLike,
+        ddq_des: ArrayLike,
+    ) -> Command:
+        """The torque for the state measured at time ``t``.
+
+        Args:
+            t: Time [s]; not before that of the previous command.
+            q, dq: Measured positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
+            q_des, dq_des, ddq_des: Desired motion at ``t``, ``(n,)``.
+
+        Raises:
+            ShapeError: A vector does not have ``n`` entries.
+            ValueRangeError: A number is not finite, or a joint angle is beyond 1e5 rad.
+            TimeOrderError: ``t`` is before the previous command's; see `reset`.
+
+        On an error the integrators are as they were: the next command can follow.
+        """
+        n = self.robot.n
+        with kernel_errors(self.robot):
+            out = self.kernel.command(
+                float(t),
+                vector("q", q, n),
+                vector("dq", dq, n),
+                vector("q_des", q_des, n),
+                vector("dq_des", dq_des, n),
+                vector("ddq_des", ddq_des, n),
+            )
+        return Command(*out, rho_norm=self.kernel.rho_norm)
+
+    def reset(self) -> None:
+        """Forget time and integrals, as if no command had been given yet."""
+        self.kernel.reset()
+
+    @property
+    def kappa(self) -> float:
+        """kappa(t) at the last command."""
+        return self.kernel.kappa
+
+    @property
+    def phi(self) -> float:
+        """phi(t) at the last command."""
+        return self.kernel.phi
+
+    def time_commands(
+        self,
+        t: ArrayLike,
+        q: ArrayLike,
+        dq: ArrayLike,
+        q_des: ArrayLike,
+        dq_des: ArrayLike,
+        ddq_des: ArrayLike,
+    ) -> Array:
+        """Seconds that each command of a recorded run takes in C, read around the kernel's call.
+
+        The controller is reset first; ``t`` is ``(k,)``, the others ``(k, n)``.
+        """
+        instants = np.ascontiguousarray(t, dtype=np.float64)
+        shape = (len(instants), self.robot.n)
+        with kernel_errors(self.robot):
+            return self.kernel.time_commands(
+                instants,
+                rows("q", q, shape),
+                rows("dq", dq, shape),
+                rows("q_des", q_des, shape),
+                rows("dq_des", dq_des, shape),
+                rows("ddq_des", ddq_des, shape),
+            )
+
+
+def _known(name: str, value: str, known: Mapping[str, int]) -> str:
+    if value in known:
+        return value
+    close = get_close_matches(str(value), known, 1)
+    hint = f'did you mean "{close[0]}"? ' if close else ""
+    raise ValueRangeError(f'{name}: no {name} "{value}"; {hint}known: {", ".join(known)}')
+
+
+def _gain(name: str, value: float) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ValueRangeError(f"{name}: {value!r}; must be a number") from None
+    if not (math.isfinite(number) and number >= 0.0):
+        raise ValueRangeError(f"{name}: {number:g}; must be finite and not negative")
+    return number
+
+
+def _per_joint(name: str, robot: Robot, value: PerJoint) -> tuple[float, ...]:
+    """One positive number for each joint."""
+    if isinstance(value, Mapping):
+        for joint in value:
+            if joint not in robot.joint_names:
+                close = get_close_matches(str(joint), robot.joint_names, 1)
+                hint = f'did you mean "{close[0]}"? ' if close else ""
+                raise ValueRangeError(
+                    f'{name}: no joint "{joint}"; {hint}known: {", ".join(robot.joint_names)}'
+                )
+        missing = [joint for joint in robot.joint_names if joint not in value]
+        if missing:
+            raise ValueRangeError(
+                f"{name}: nothing for {', '.join(missing)}; every joint needs a value"
+            )
+        value = [value[joint] for joint in robot.joint_names]
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueRangeError(
+            f"{name}: {value!r}; must be a number, one number a joint, or a mapping by joint name"
+        ) from None
+    if array.ndim == 0:
+        array = np.full(robot.n, float(array))
+    if array.shape != (robot.n,):
+        raise ShapeError(
+            f'{name}: expected shape ({robot.n},), got {array.shape}; robot "{robot.name}" has '
+            f"{robot.n} joints"
+        )
+    for joint, number in zip(robot.joint_names, array, strict=True):
+        if not (math.isfinite(number) and number > 0.0):
+            raise ValueRangeError(
+                f'{name}: {number:g} for joint "{joint}"; must be finite and positive'
+            )
+    return tuple(array.tolist())
+
+
+def make_kernel_controller(robot: Robot, settings: ControllerSettings) -> _kernel.Controller:
+    """The compiled controller for checked settings."""
+    return _kernel.Controller(
+        robot.model,
+        robot.nominal.packed,
+        robot.lower.packed,
+        robot.upper.packed,
+        np.ascontiguousarray(np.stack([robot.disturbance.lo, robot.disturbance.hi])),
+        np.array(settings.K_r, dtype=np.float64),
+        settings.kappa_P,
+        settings.kappa_I,
+        settings.phi_P,
+        settings.phi_I,
+        settings.epsilon,
+        LAWS[settings.law],
+        BOUNDS[settings.bound],
+    )
+
+
+def settings_dict(settings: ControllerSettings) -> dict[str, Any]:
+    """Settings as plain Python, ready for JSON."""
+    return {**asdict(settings), "K_r": list(settings.K_r)}

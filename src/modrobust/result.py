@@ -1,0 +1,262 @@
+"""What a simulated run leaves: arrays over time, figures over all ticks, a verdict, a file."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust import _kernel
+from modrobust.control import RobustController
+from modrobust.errors import FileError, ModrobustError
+from modrobust.metrics import CHATTERING_LIMIT, chattering, plain, ratio, time_statistics
+from modrobust.robot import ControllerSettings, Parameters, Robot
+
+Array = NDArray[np.float64]
+
+LOGGED = (
+    *("t", "q", "dq", "q_des", "dq_des", "ddq_des", "tau", "w", "phi_lo", "phi_hi", "rho"),
+    *("width_hull", "width_ianea", "total_variation"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class LoopStatistics:
+    """Figures over all ticks of the loop, not only the logged ones."""
+
+    ticks: int
+    time: float  # [s], of the last tick's end
+    status: int
+    violations: int
+    violation_max: float
+    error_last: float
+    last_outside: float  # [s], last tick with an error of epsilon or more, -1 if never
+    error_max_after: float
+    tau_max: Array
+    rho_sum: float
+    rho_max: float
+
+    @classmethod
+    def of(cls, loop: _kernel.Loop) -> LoopStatistics:
+        """The loop's figures as they are now."""
+        return cls(
+            ticks=loop.ticks,
+            time=loop.time,
+            status=loop.status,
+            violations=loop.violations,
+            violation_max=loop.violation_max,
+            error_last=loop.error_last,
+            last_outside=loop.last_outside,
+            error_max_after=loop.error_max_after,
+            tau_max=np.array(loop.tau_max),
+            rho_sum=loop.rho_sum,
+            rho_max=loop.rho_max,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SimulationResult:
+    """A run of the closed loop, logged about every millisecond; n joints, m logged ticks.
+
+    Positions [rad] or [m], torques [N m] or [N], times [s].
+    """
+
+    robot: Robot
+    settings: dict[str, Any]
+    controller: ControllerSettings
+    parameters: Parameters
+    """True parameters of the plant."""
+    statistics: LoopStatistics | None
+    """Figures over all ticks; None when the run was interrupted before its first chunk."""
+    interrupted: bool
+    t: Array
+    """Instants, (m,); everything below is (m, n)."""
+    q: Array
+    dq: Array
+    q_des: Array
+    dq_des: Array
+    ddq_des: Array
+    tau: Array
+    w: Array
+    """Perturbation that the true parameters make, (6)."""
+    phi_lo: Array
+    """Lower bound of w with the run's own method, (12)."""
+    phi_hi: Array
+    rho: Array
+    width_hull: Array
+    """Width of [Phi] by the exact hull."""
+    width_ianea: Array
+    """Width of [Phi] by Algorithm 1."""
+    total_variation: Array
+    """Sum of the torque's changes over all ticks so far."""
+
+    @property
+    def error(self) -> Array:
+        """Norm of the tracking error at the logged ticks, (m,)."""
+        return np.asarray(np.linalg.norm(self.q_des - self.q, axis=1))
+
+    @property
+    def diverged(self) -> bool:
+        """Whether the loop left the range in which it can be computed."""
+        return self.statistics is not None and self.statistics.status != _kernel.STATUS_OK
+
+    @property
+    def epsilon_entered_at(self) -> float | None:
+        """First instant from which the error stayed below epsilon to the end [s], or None."""
+        s = self.statistics
+        if s is None or s.ticks == 0 or self.diverged or s.error_last >= self.controller.epsilon:
+            return None
+        return 0.0 if s.last_outside < 0.0 else s.last_outside + 1.0 / self.settings["control_rate"]
+
+    @cached_property
+    def command_seconds(self) -> Array:
+        """Time of each command in C [s], from a replay of the logged inputs; perhaps empty.
+
+        A fresh controller gets the inputs logged at 1 ms, as in Section V of the paper, once to
+        warm up and once to be timed.
+        """
+        if len(self.t) == 0:
+            return np.zeros(0)
+        controller = RobustController(self.robot, **vars(self.controller))
+        inputs = (self.q, self.dq, self.q_des, self.dq_des, self.ddq_des)
+        try:
+            controller.time_commands(self.t[:1000], *(x[:1000] for x in inputs))
+            return controller.time_commands(self.t, *inputs)
+        except ModrobustError:  # a diverged run can end in states that cannot be replayed
+            return np.zeros(0)
+
+    @property
+    def reasons(self) -> list[str]:
+        """Why the run's answer is bad, one sentence each; empty when it is good."""
+        s = self.statistics
+        wanted = self.settings["duration"]
+        reasons = []
+        if self.interrupted:
+            reached = 0.0 if s is None else min(s.time, wanted)
+            reasons.append(f"interrupted at {reached:.6g} s of {wanted:.6g} s")
+        if s is None:
+            return reasons
+        if s.violations:
+            reasons.append(f"the bound was violated at {s.violations} of {s.ticks} ticks")
+        if self.diverged:
+            reasons.append(f"the loop diverged at {s.time:.6g} s")
+        elif self.epsilon_entered_at is None:
+            reasons.append(
+                f"the tracking error did not stay below epsilon = {self.controller.epsilon:g}: "
+                f"{s.error_last:.3g} at the end"
+            )
+        for j, limit in enumerate(self.robot.effort_limits):
+            if s.tau_max[j] > limit:
+                unit = "N m" if self.robot.joint_types[j] == "revolute" else "N"
+                reasons.append(
+                    f'joint "{self.robot.joint_names[j]}" needed {s.tau_max[j]:.4g} {unit}, '
+                    f"beyond its limit of {limit:.4g} {unit}"
+                )
+        return reasons
+
+    @property
+    def ok(self) -> bool:
+        """No violation, no divergence, epsilon entered for good, torques within their limits."""
+        return not self.reasons
+
+    def summary(self) -> dict[str, Any]:
+        """The run in figures, plain Python ready for JSON; null where there is no number."""
+        s = self.statistics
+        mean = (
+            (lambda x: x.mean(axis=0)) if len(self.t) else (lambda x: np.full(x.shape[1:], np.nan))
+        )
+        width_hull, width_ianea = mean(self.width_hull), mean(self.width_ianea)
+        noisy = chattering(self.t, self.tau, self.total_variation)
+        figures = {
+            "violations": 0 if s is None else s.violations,
+            "violation_max": None if s is None else s.violation_max,
+            "diverged": self.diverged,
+            "epsilon_entered_at": self.epsilon_entered_at,
+            "error_final": None if s is None else s.error_last,
+            "error_max_after_entry": (
+                None if s is None or self.epsilon_entered_at is None else s.error_max_after
+            ),
+            "tau_max": None if s is None else s.tau_max,
+            "tau_limit": self.robot.effort_limits,
+            "rho_mean": None if s is None or s.ticks == 0 else s.rho_sum / s.ticks,
+            "rho_max": None if s is None else s.rho_max,
+            "width_hull": width_hull,
+            "width_ianea": width_ianea,
+            "width_ratio": ratio(width_ianea, width_hull),
+            "chattering": noisy,
+            "chattering_limit": CHATTERING_LIMIT,
+            "command_time": time_statistics(self.command_seconds),
+            "ticks": 0 if s is None else s.ticks,
+            "time": 0.0 if s is None else min(s.time, self.settings["duration"]),
+            "interrupted": self.interrupted,
+            "ok": self.ok,
+            "reasons": self.reasons,
+            "joints": list(self.robot.joint_names),
+            "settings": self.settings,
+        }
+        result: dict[str, Any] = plain(figures)
+        return result
+
+    def save(self, path: str | Path) -> None:
+        """Write all arrays, the settings and the summary to an ``.npz`` file, whole or not at all.
+
+        Keys: every logged array; ``true_parameters``, packed; ``settings`` and ``summary``, JSON.
+
+        Raises:
+            FileError: The file cannot be written; one that was there is as it was.
+        """
+        check_writable(path)
+        target = Path(path)
+        arrays = {name: getattr(self, name) for name in LOGGED}
+        handle, temporary = tempfile.mkstemp(".part", f".{target.name}.", target.parent)
+        try:
+            with os.fdopen(handle, "wb") as stream:
+                np.savez_compressed(
+                    stream,
+                    **arrays,
+                    true_parameters=self.parameters.packed,
+                    settings=np.array(json.dumps(self.settings)),
+                    summary=np.array(json.dumps(self.summary())),
+                )
+            os.chmod(temporary, 0o666 & ~_umask())
+            os.replace(temporary, target)
+        except OSError as error:
+            raise FileError(path, f"cannot be written: {error.strerror}") from None
+        finally:
+            Path(temporary).unlink(missing_ok=True)
+
+
+def check_writable(path: str | Path) -> None:
+    """Refuse a place where `SimulationResult.save` could not write, before a run starts.
+
+    Raises:
+        FileError: The suffix is not ``.npz``, or the place is a directory, missing or read-only.
+    """
+    target = Path(path)
+    if target.suffix != ".npz":
+        raise FileError(path, f'suffix "{target.suffix}"; a log is an .npz file; name it so')
+    if target.is_dir():
+        raise FileError(path, "is a directory; give the name of a file in it")
+    if not target.parent.is_dir():
+        raise FileError(path, f"no directory {target.parent}; make it first")
+    try:
+        handle, temporary = tempfile.mkstemp(".part", f".{target.name}.", target.parent)
+    except OSError as error:
+        raise FileError(
+            path, f"cannot be written: {error.strerror}; choose another place"
+        ) from None
+    os.close(handle)
+    os.unlink(temporary)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
