@@ -41,6 +41,11 @@ def table(*columns: str, title: str | None = None, left: int = 1) -> Table:
     return empty
 
 
+def number(value: float | None) -> str:
+    """Four digits; a dash where there is no number."""
+    return "-" if value is None else f"{value:.4g}"
+
+
 def json_text(data: Mapping[str, Any] | list[Any]) -> str:
     """JSON with every number as its shortest text that reads back exactly."""
     return json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False) + "\n"

@@ -1,11 +1,102 @@
+"""``modrobust simulate``: the closed loop, with its figures and a verdict."""
+
 from __future__ import annotations
 
-EXAMPLES = ""
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from modrobust.cli.options import Json, RobotFile, hertz, seconds
+
+EXAMPLES = """\b
+Examples:
+  modrobust simulate lwa4p-paper --scenario 1
+  modrobust simulate lwa4p-paper --scenario 2 --bound ianea
+  modrobust simulate lwa4p --parameters corner --seed 3 --duration 5s
+  modrobust simulate my-robot.yaml --trajectory motion.csv --log run.npz
+
+\b
+Ctrl-C ends a run early: what was computed is shown and saved, the exit code is 130.
+The exit code is 1 when a bound is violated, the loop diverges, the tracking error does not
+stay below epsilon, or a torque exceeds its limit.
+"""
 
 
-def simulate() -> None:
-    """TODO."""
-    raise NotImplementedError
+def simulate(
+    file: RobotFile,
+    scenario: Annotated[
+        str | None, typer.Option(metavar="NAME", help="True parameters: a scenario of the file.")
+    ] = None,
+    parameters: Annotated[
+        Literal["nominal", "lower", "upper", "corner", "random"] | None,
+        typer.Option(help="True parameters without a scenario. [default: random]"),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of corner and random.")] = 0,
+    bound: Annotated[
+        Literal["hull", "ianea"] | None, typer.Option(help="Bound of the perturbation.")
+    ] = None,
+    law: Annotated[Literal["norm"] | None, typer.Option(help="Law of the robust part.")] = None,
+    duration: Annotated[
+        str | None, typer.Option(metavar="TIME", help="Simulated time, e.g. 10s or 500ms.")
+    ] = None,
+    trajectory: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WHAT",
+            help="paper (13), quintic (seeded waypoints), FILE.csv (t and q, splined), or "
+            "quintic:FILE.csv (rest to rest through the rows). Default: the file's own.",
+        ),
+    ] = None,
+    control_rate: Annotated[
+        str | None,
+        typer.Option(
+            metavar="RATE",
+            help="Commands a second, e.g. 50kHz (the default); each is held until the next.",
+        ),
+    ] = None,
+    log: Annotated[
+        Path | None, typer.Option(metavar="OUT.npz", help="Save the run, sampled at 1 ms.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Simulate the closed loop of a robot whose true parameters the controller does not know."""
+    wanted, rate = seconds(duration), hertz(control_rate)
+    from modrobust.assembly import load_robot
+    from modrobust.cli.output import ProgressBar, note, print_json
+    from modrobust.result import check_writable
+    from modrobust.simulation import CONTROL_RATE
+    from modrobust.simulation import simulate as run
+
+    if log is not None:
+        check_writable(log)
+    robot = load_robot(file)
+    with ProgressBar(f"Simulating {robot.name}") as bar:
+        result = run(
+            robot,
+            scenario=scenario,
+            parameters=parameters,
+            seed=seed,
+            bound=bound,
+            law=law,
+            duration=wanted,
+            trajectory=trajectory,
+            control_rate=CONTROL_RATE if rate is None else rate,
+            progress=lambda done, total: bar(done / total),
+        )
+    if log is not None:
+        result.save(log)
+    if json:
+        print_json(result.summary())
+    else:
+        from modrobust.cli.simulate_report import print_run
+
+        print_run(robot, result)
+    if result.interrupted:
+        note(f"{result.reasons[0]}; what was computed is kept{'' if log is None else f' in {log}'}")
+        raise typer.Exit(130)
+    if not result.ok:
+        raise typer.Exit(1)
 
 
 command = simulate

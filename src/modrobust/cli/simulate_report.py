@@ -1,0 +1,114 @@
+"""A simulated run as tables for people, in 80 columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from modrobust.cli.output import console, number, table
+
+if TYPE_CHECKING:
+    from modrobust.result import SimulationResult
+    from modrobust.robot import Robot
+
+# Section V of Giusti and Althoff 2017: IANEA*, 6 joints, Speedgoat, Core i7-3770K at 3.5 GHz.
+PAPER_TIMES = {"mean": 15.3e-6, "max": 17.2e-6, "std": 0.288e-6}  # [s]
+STATISTICS = ("mean", "max", "std", "p50", "p99")
+
+
+def print_run(robot: Robot, result: SimulationResult) -> None:
+    """Print what the issue of a run is: bound, error, torques, widths, times, verdict."""
+    figures = result.summary()
+    settings = figures["settings"]
+    out = console()
+    out.print(_headline(settings), style="bold", markup=False)
+    for line in _notes(settings):
+        out.print(line, markup=False)
+    out.print(_figures(figures, settings))
+    out.print(_joints(robot, figures))
+    out.print(times({f"this run ({settings['bound']})": figures["command_time"]}))
+    reasons: Sequence[str] = figures["reasons"]
+    if reasons:
+        for reason in reasons:
+            out.print(f"Not good: {reason}", style="bold red", markup=False)
+    else:
+        out.print("Good: bound kept, error within epsilon for good, torques within limits")
+
+
+def _headline(settings: Mapping[str, Any]) -> str:
+    truth = (
+        f"scenario {settings['scenario']}"
+        if settings["scenario"] is not None
+        else f"{settings['parameters']} parameters"
+        + (f", seed {settings['seed']}" if settings["parameters"] in ("corner", "random") else "")
+    )
+    return (
+        f"{settings['robot']}, {truth}: {settings['duration']:g} s, law {settings['law']}, "
+        f"bound {settings['bound']}"
+    )
+
+
+def _notes(settings: Mapping[str, Any]) -> list[str]:
+    rate = f"{settings['control_rate'] / 1e3:g} kHz"
+    lines = [f"The command is evaluated at {rate} and held in between."]
+    if settings["pulled_to_physical"]:
+        bodies = ", ".join(settings["pulled_to_physical"])
+        lines.append(f"Pulled towards nominal until physical: the inertia of {bodies}.")
+    if not settings["parameters_inside_bounds"]:
+        lines.append("The true parameters lie outside the bounds: nothing is guaranteed.")
+    return lines
+
+
+def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Any:
+    rows = table("", "", left=2)
+    rows.show_header = False
+    entered = figures["epsilon_entered_at"]
+    epsilon = f"{settings['epsilon']:g}"
+    rows.add_row("violations of the bound", f"{figures['violations']} of {figures['ticks']} ticks")
+    rows.add_row(
+        f"tracking error below {epsilon}",
+        "not for good" if entered is None else f"for good from {entered:.4g} s",
+    )
+    rows.add_row("tracking error at the end", number(figures["error_final"]))
+    rows.add_row("  largest after entering for good", number(figures["error_max_after_entry"]))
+    rows.add_row(
+        "‖ρ‖, worst case of [Φ]",
+        f"mean {number(figures['rho_mean'])}, largest {number(figures['rho_max'])}",
+    )
+    noisy = figures["chattering"]
+    if noisy is not None:
+        worst = None if None in noisy else max(noisy)
+        rows.add_row(
+            "chattering, last 5 s",
+            f"torque variation {number(worst)} times that at 10 Hz "
+            f"(limit {figures['chattering_limit']:g})",
+        )
+    return rows
+
+
+def _joints(robot: Robot, figures: Mapping[str, Any]) -> Any:
+    from rich.table import Column
+
+    rows = table("joint", "", "torque", "limit", "[Φ] hull", "[Φ] ianea", "ratio", left=2)
+    first: Column = rows.columns[0]
+    first.overflow = "fold"
+    rows.title = "Largest torque, mean width of [Φ]"
+    for j, name in enumerate(robot.joint_names):
+        rows.add_row(
+            name,
+            "N m" if robot.joint_types[j] == "revolute" else "N",
+            *(
+                number(None if figures[key] is None else figures[key][j])
+                for key in ("tau_max", "tau_limit", "width_hull", "width_ianea", "width_ratio")
+            ),
+        )
+    return rows
+
+
+def times(measured: Mapping[str, Mapping[str, float | None]]) -> Any:
+    """Table of times a command [us], the paper's in the last row."""
+    rows = table("time per command, in C", *STATISTICS)
+    for label, statistics in {**measured, "the paper (ianea, 3.5 GHz i7)": PAPER_TIMES}.items():
+        values = [statistics.get(key) for key in STATISTICS]
+        rows.add_row(label, *("-" if x is None else f"{x * 1e6:.3g} us" for x in values))
+    return rows
