@@ -30,15 +30,19 @@ LAYERS = {
     "assembly": 3,
     "catalogue": 3,
     "dh": 3,
+    "mating": 3,
+    "mounting": 3,
     "report": 3,
     "synthetic": 3,
     "urdf": 3,
     "dynamics": 3,
     "control": 4,
+    "metrics": 4,
     "spline": 4,
     "trajectory": 4,
     "trajectory_file": 4,
     "metrics": 5,
+    "result": 5,
     "result": 5,
     "simulation": 5,
     "benchmark": 5,
@@ -87,7 +91,7 @@ def imports(tree: ast.AST, name: str, is_package: bool) -> Iterator[tuple[str, a
 
 def internal_edges(modules: dict[str, ast.Module]) -> dict[str, set[str]]:
     """For each module, the modules of the package that it imports."""
-    known = set(modules) | {"_kernel"}
+    known = {*modules, "", "_kernel"}
     edges: dict[str, set[str]] = {name: set() for name in modules}
     for name, tree in modules.items():
         is_package = name == "" or any(other.startswith(f"{name}.") for other in modules)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from modrobust.benchmark import PAPER_TIMES
 from modrobust.cli.output import console, number, table
 
 if TYPE_CHECKING:
     from modrobust.result import SimulationResult
     from modrobust.robot import Robot
 
-# Section V of Giusti and Althoff 2017: IANEA*, 6 joints, Speedgoat, Core i7-3770K at 3.5 GHz.
-PAPER_TIMES = {"mean": 15.3e-6, "max": 17.2e-6, "std": 0.288e-6}  # [s]
 STATISTICS = ("mean", "max", "std", "p50", "p99")
 
 
