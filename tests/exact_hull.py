@@ -8,11 +8,12 @@ used), and the quadratic's range is the best of all 27 faces of the box. Long do
 from __future__ import annotations
 
 import itertools
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from modrobust.robot import Parameters, Robot
+from modrobust.robot import Robot
 from oracle import Interval, box, drive_torque, newton_euler
 
 SIX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -51,19 +52,12 @@ def solve(matrix: Any, right: Any) -> Any:
     return x
 
 
-def single_body(robot: Robot, body: int, mass: float, com: Any, inertia: Any) -> Parameters:
-    """Parameters in which every other body is massless and drives are absent."""
-    b, n = len(robot.body_joints), robot.n
-    out = Parameters(
-        mass=np.zeros(b, dtype=LONG),
-        com=np.zeros((b, 3), dtype=LONG),
-        inertia=np.zeros((b, 3, 3), dtype=LONG),
-        rotor_inertia=np.zeros(n),
-        viscous=np.zeros(n),
-        coulomb=np.zeros(n),
-    )
-    out.mass[body], out.com[body], out.inertia[body] = mass, com, inertia
-    return out
+def single_body(robot: Robot, body: int, mass: float, com: Any, inertia: Any) -> Any:
+    """Parameters in which every other body is massless; drives are left out."""
+    b = len(robot.body_joints)
+    point = SimpleNamespace(mass=np.zeros(b), com=np.zeros((b, 3)), inertia=np.zeros((b, 3, 3)))
+    point.mass[body], point.com[body], point.inertia[body] = mass, com, inertia
+    return point
 
 
 def exact_bounds(

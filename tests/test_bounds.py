@@ -1,4 +1,4 @@
-"""Torque bounds: IANEA* equals the transcription, the hull equals the exact range and is attained."""
+"""Torque bounds: IANEA* equals the transcription; the hull is the exact range and is attained."""
 
 from __future__ import annotations
 
