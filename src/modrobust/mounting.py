@@ -1,0 +1,218 @@
+"""From a chain of modules to one flat list of steps: names, mating, nesting.
+
+Each step starts where the last one ended. A compound module brings the steps of the modules inside
+it; a mounting angle is a step of its own, Rz(mount) at the connector.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.catalogue import Library
+from modrobust.formats import (
+    Assembly,
+    BodyItem,
+    FrameItem,
+    Item,
+    JointItem,
+    Module,
+    NestedItem,
+    Where,
+    instance_names,
+    load_module,
+)
+from modrobust.geometry import rotation_z
+from modrobust.mating import RULE, clocking_problem, describe, mating_problem
+from modrobust.robot import ModuleNode
+
+Array = NDArray[np.float64]
+
+_MOST_INSTANCES = 10_000  # compound modules multiply; this ends such a bomb early
+
+
+@dataclass(frozen=True)
+class JointStep:
+    """A joint; `name` is "instance.joint"."""
+
+    name: str
+    item: JointItem
+
+
+@dataclass(frozen=True)
+class BodyStep:
+    """A body and its span; `name` is "instance.body"."""
+
+    name: str
+    item: BodyItem
+
+
+@dataclass(frozen=True, eq=False)
+class SpanStep:
+    """A rigid transform ``(4, 4)`` without mass."""
+
+    span: Array
+
+
+@dataclass(frozen=True)
+class EndStep:
+    """The end frame of an instance, where a payload can be."""
+
+    instance: str
+
+
+Step = JointStep | BodyStep | SpanStep | EndStep
+
+
+@dataclass(frozen=True)
+class Mounted:
+    """A mounted chain: its steps, its modules as a tree, and remarks of the modules."""
+
+    steps: tuple[Step, ...]
+    nodes: tuple[ModuleNode, ...]
+    notes: tuple[str, ...]
+
+
+def mount_chain(assembly: Assembly) -> Mounted:
+    """The steps of an assembly's chain, from the base frame to the tip.
+
+    Raises:
+        DescriptionError: A module is unknown, contains itself, or does not mate where it is put;
+            two instances have one name.
+    """
+    for directory in assembly.modules:
+        if not directory.is_dir():
+            raise assembly.where.error(
+                "modules", f'no directory "{directory}"; give directories with module files'
+            )
+    mounter = _Mounter(Library(assembly.modules))
+    nodes = mounter.chain(assembly.chain, prefix="", inside=())
+    return Mounted(tuple(mounter.steps), nodes, tuple(mounter.notes))
+
+
+class _Mounter:
+    def __init__(self, library: Library) -> None:
+        self.steps: list[Step] = []
+        self.notes: list[str] = []
+        self._library = library
+        self._count = 0
+
+    def chain(
+        self, items: Sequence[Item], prefix: str, inside: tuple[str, ...]
+    ) -> tuple[ModuleNode, ...]:
+        """Appends the steps of a chain; returns the nodes of the modules mounted in it."""
+        names = iter(_unique_names(items))
+        nodes: list[ModuleNode] = []
+        below: Module | None = None  # the module that the next one is mounted on directly
+        for index, item in enumerate(items):
+            if not isinstance(item, NestedItem):
+                self._own(item, prefix)
+                below = None
+                continue
+            field = f"chain[{index}]"
+            module = self._load(item, field, inside)
+            if below is not None:
+                _check_mating(below, module, item, field)
+            nodes.append(self._mount(module, item, f"{prefix}{next(names)}", inside))
+            below = module
+        return tuple(nodes)
+
+    def _own(self, item: JointItem | BodyItem | FrameItem, prefix: str) -> None:
+        if isinstance(item, JointItem):
+            self.steps.append(JointStep(f"{prefix}{item.name}", item))
+        elif isinstance(item, BodyItem):
+            self.steps.append(BodyStep(f"{prefix}{item.name}", item))
+        else:
+            self.steps.append(SpanStep(item.span))
+
+    def _load(self, item: NestedItem, field: str, inside: tuple[str, ...]) -> Module:
+        if item.module in inside:
+            cycle = [*inside[inside.index(item.module) :], item.module]
+            raise item.where.error(
+                field,
+                f"module cycle {' -> '.join(cycle)}; a module cannot contain itself; "
+                "remove this entry",
+            )
+        self._count += 1
+        if self._count > _MOST_INSTANCES:
+            raise item.where.error(
+                field,
+                f"more than {_MOST_INSTANCES} modules in all; a robot has fewer; "
+                "nest fewer compound modules",
+            )
+        return load_module(self._library.path(item.module, item.where, field), item.overrides)
+
+    def _mount(
+        self, module: Module, item: NestedItem, instance: str, inside: tuple[str, ...]
+    ) -> ModuleNode:
+        if item.mount != 0.0:
+            self.steps.append(SpanStep(rotation_z(item.mount)))
+        self._remark(module, instance)
+        children = self.chain(module.items, f"{instance}.", (*inside, module.id))
+        self.steps.append(EndStep(instance))
+        return ModuleNode(
+            instance=instance,
+            module=module.id,
+            name=module.name,
+            joints=_names(module, JointItem, instance),
+            bodies=_names(module, BodyItem, instance),
+            children=children,
+        )
+
+    def _remark(self, module: Module, instance: str) -> None:
+        self.notes += [f"{instance}: {note}" for note in module.notes]
+        if module.unused_tolerances:
+            keys = ", ".join(module.unused_tolerances)
+            self.notes.append(f"{instance}: tolerance without a parameter it applies to: {keys}")
+
+
+def _names(
+    module: Module, kind: type[JointItem] | type[BodyItem], instance: str
+) -> tuple[str, ...]:
+    return tuple(f"{instance}.{item.name}" for item in module.items if isinstance(item, kind))
+
+
+def _unique_names(items: Sequence[Item]) -> list[str]:
+    """Instance names of the nested modules, in order; two of one name are refused."""
+    names = instance_names(items)
+    nested = [(index, item) for index, item in enumerate(items) if isinstance(item, NestedItem)]
+    first: dict[str, Where] = {}
+    for name, (index, item) in zip(names, nested, strict=True):
+        if name in first:
+            raise item.where.error(
+                f"chain[{index}]",
+                f'the instance name "{name}" is taken (line {first[name].line}); '
+                'names in a chain differ; give this one another with "as:"',
+            )
+        first[name] = item.where
+    return names
+
+
+def _check_mating(below: Module, above: Module, item: NestedItem, field: str) -> None:
+    """Refuses a module on one that it does not fit, with both connectors in words."""
+    out, into = below.connector_out, above.connector_in
+    if out is None or into is None:
+        lacking, side = (below, "out") if out is None else (above, "in")
+        raise item.where.error(
+            field,
+            f'"{above.id}" cannot be mounted on "{below.id}": "{lacking.id}" has no {side} '
+            f'connector; {RULE}; see "modrobust modules" for what fits',
+        )
+    problem = mating_problem(out, into)
+    if problem:
+        raise item.where.error(
+            field,
+            f'"{above.id}" (in: {describe(into)}) does not mate with '
+            f'"{below.id}" (out: {describe(out)}): {problem}; {RULE}; '
+            'see "modrobust modules" for what fits',
+        )
+    problem = clocking_problem(out, into, item.mount)
+    if problem:
+        raise item.where.error(
+            f"{field}.mount",
+            f'"{above.id}" (in: {describe(into)}) on "{below.id}" (out: {describe(out)}): '
+            f"{problem}; give one of its multiples",
+        )

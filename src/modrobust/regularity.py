@@ -1,0 +1,56 @@
+r"""Refusal of chains whose mass matrix is singular.
+
+A joint that moves no mass cannot be simulated nor controlled: its acceleration is undefined. The
+test factorises M(q) = L' L from the last joint to the first; pivot i is the inertia that joint i
+feels with everything behind it free to move, so a vanishing pivot names its joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.formats import Where
+from modrobust.robot import Robot
+
+Array = NDArray[np.float64]
+
+_SEED = 0
+_RELATIVE = 1e-12  # of the joint's own diagonal entry: what rounding leaves of a zero pivot
+_ABSOLUTE = 1e-15  # of the largest diagonal entry
+
+
+def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
+    """Raises where M(q) at nominal parameters, drives included, is singular at a seeded pose.
+
+    Args:
+        robot: The robot; `where` (n,) says where its joints are written.
+
+    Raises:
+        DescriptionError: M is singular; the message names the joint.
+    """
+    from modrobust import _kernel  # compiled; imported where it is needed
+
+    q = np.random.default_rng(_SEED).uniform(-1.0, 1.0, robot.n)  # [rad] or [m]
+    M = _kernel.mass_matrix(robot.model, robot.nominal.packed, q, True)
+    joint = singular_joint(M)
+    if joint is not None:
+        axis = "along" if robot.joint_types[joint] == "prismatic" else "about"
+        raise where[joint].error(
+            f"joint {robot.joint_names[joint]}",
+            f"nothing behind it has inertia {axis} its axis, so the mass matrix is singular "
+            "(nominal parameters, drives included); give it a drive or a body with inertia",
+        )
+
+
+def singular_joint(M: Array) -> int | None:
+    """The joint of the first pivot, from the last joint on, that vanishes; None if M > 0."""
+    A = np.array(M)
+    floor = _ABSOLUTE * float(np.max(np.diag(A)))
+    for i in range(len(A) - 1, -1, -1):
+        if not A[i, i] > max(_RELATIVE * M[i, i], floor):
+            return i
+        A[:i, :i] -= np.outer(A[i, :i], A[i, :i]) / A[i, i]
+    return None
