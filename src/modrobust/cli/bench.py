@@ -1,11 +1,104 @@
+"""``modrobust bench``: time, growth and tightness, as in Section V of the paper."""
+
 from __future__ import annotations
 
-EXAMPLES = ""
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from modrobust.cli.options import Json
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+EXAMPLES = """\b
+Examples:
+  modrobust bench
+  modrobust bench lwa4p my-robot.yaml --repeat 10
+  modrobust bench lwa4p-paper --json
+
+\b
+Ctrl-C ends early: what was measured is shown, the exit code is 130.
+"""
 
 
-def bench() -> None:
-    """TODO."""
-    raise NotImplementedError
+def bench(
+    files: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="FILE", help="Assembly files or built-in names. [lwa4p-paper]"),
+    ] = None,
+    repeat: Annotated[int, typer.Option(min=1, help="How often each time is taken.")] = 3,
+    json: Json = False,
+) -> None:
+    """Measure the time of a command, its growth with the joints, and the tightness of the bounds.
+
+    The controller is replayed on the signals of a simulation sampled at 1 ms.
+    """
+    from modrobust.assembly import load_robot
+    from modrobust.benchmark import benchmark
+    from modrobust.cli.output import ProgressBar, note, print_json
+
+    robots = [load_robot(file) for file in files or ["lwa4p-paper"]]
+    with ProgressBar("Measuring") as bar:
+        result = benchmark(robots, repeat=repeat, progress=lambda what, done: bar(done, label=what))
+    figures = result.to_dict()
+    if json:
+        print_json(figures)
+    else:
+        print_benchmark(figures)
+    if result.interrupted:
+        note("interrupted; what was measured until then is kept")
+        raise typer.Exit(130)
+
+
+def print_benchmark(figures: Mapping[str, Any]) -> None:
+    """Print the benchmark as tables."""
+    from modrobust.cli.output import console, number, table, times
+
+    out = console()
+    for robot in figures["robots"]:
+        out.print(f"{robot['robot']}: {len(robot['joints'])} joints", style="bold", markup=False)
+        measured = {}
+        for item in robot["times"]:
+            measured[f"{item['bound']}, in C"] = item["in_c"]
+            measured[f"{item['bound']}, from Python"] = item["in_python"]
+        if measured:
+            out.print(times(measured))
+        for item in robot["tightness"]:
+            rows = table("joint", "hull", "ianea", "ratio", "median")
+            rows.title = f"Mean width of [Φ], {item['where']}"
+            for j, name in enumerate(robot["joints"]):
+                rows.add_row(
+                    name,
+                    *(
+                        number(item[key][j])
+                        for key in ("width_hull", "width_ianea", "ratio", "ratio_median")
+                    ),
+                )
+            out.print(rows)
+    if figures["growth"]:
+        out.print(_growth(figures["growth"]))
+
+
+def _growth(growth: list[Any]) -> Any:
+    from modrobust.cli.output import microseconds, number, table
+
+    rows = table("joints", *(item["bound"] for item in growth))
+    rows.title = "Time per command in C, synthetic chains, every body uncertain"
+    for k, joints in enumerate(growth[0]["joints"]):
+        rows.add_row(
+            str(joints),
+            *(
+                microseconds(item["seconds"][k]) if k < len(item["seconds"]) else "-"
+                for item in growth
+            ),
+        )
+    rows.add_section()
+    rows.add_row(
+        f"exponent, from {growth[0]['fitted_from']} joints",
+        *(number(item["exponent"]) for item in growth),
+    )
+    return rows
 
 
 command = bench

@@ -46,6 +46,22 @@ def number(value: float | None) -> str:
     return "-" if value is None else f"{value:.4g}"
 
 
+def microseconds(value: float | None) -> str:
+    """A time [s], shown in microseconds."""
+    return "-" if value is None else f"{value * 1e6:.3g} us"
+
+
+def times(measured: Mapping[str, Mapping[str, float | None]]) -> Table:
+    """Table of times per command, the paper's in the last row."""
+    from modrobust.benchmark import PAPER_TIMES
+
+    statistics = ("mean", "max", "std", "p50", "p99")
+    rows = table("time per command", *statistics)
+    for label, values in {**measured, "the paper (ianea, 3.5 GHz i7)": PAPER_TIMES}.items():
+        rows.add_row(label, *(microseconds(values.get(key)) for key in statistics))
+    return rows
+
+
 def json_text(data: Mapping[str, Any] | list[Any]) -> str:
     """JSON with every number as its shortest text that reads back exactly."""
     return json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
@@ -111,7 +127,7 @@ class ProgressBar:
         if self._bar is not None:
             self._bar.stop()
 
-    def __call__(self, done: float) -> None:
+    def __call__(self, done: float, label: str | None = None) -> None:
         if self._bar is None:
             elapsed = time.monotonic() - self._start
             if not sys.stderr.isatty() or elapsed < max(0.1, done):  # under a second in all
@@ -122,4 +138,4 @@ class ProgressBar:
             self._bar = Progress(console=Console(stderr=True), transient=True)
             self._task = self._bar.add_task(self._label, total=1.0)
             self._bar.start()
-        self._bar.update(self._task, completed=done)
+        self._bar.update(self._task, completed=done, description=label or self._label)

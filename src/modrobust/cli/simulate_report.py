@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from modrobust.benchmark import PAPER_TIMES
-from modrobust.cli.output import console, number, table
+from modrobust.cli.output import console, number, table, times
 
 if TYPE_CHECKING:
     from modrobust.result import SimulationResult
     from modrobust.robot import Robot
-
-STATISTICS = ("mean", "max", "std", "p50", "p99")
 
 
 def print_run(robot: Robot, result: SimulationResult) -> None:
@@ -101,13 +98,4 @@ def _joints(robot: Robot, figures: Mapping[str, Any]) -> Any:
                 for key in ("tau_max", "tau_limit", "width_hull", "width_ianea", "width_ratio")
             ),
         )
-    return rows
-
-
-def times(measured: Mapping[str, Mapping[str, float | None]]) -> Any:
-    """Table of times a command [us], the paper's in the last row."""
-    rows = table("time per command, in C", *STATISTICS)
-    for label, statistics in {**measured, "the paper (ianea, 3.5 GHz i7)": PAPER_TIMES}.items():
-        values = [statistics.get(key) for key in STATISTICS]
-        rows.add_row(label, *("-" if x is None else f"{x * 1e6:.3g} us" for x in values))
     return rows
