@@ -1,15 +1,15 @@
-"""Types of the compiled kernel. Arrays are C-contiguous float64; see docs/equations.md.
+"""Types of the compiled kernel; the checked functions are in `modrobust.dynamics`.
 
-``parameters`` vectors are packed: mass (b), com (b, 3), inertia xx xy xz yy yz zz (b, 6),
-rotor inertia (n), viscous (n), coulomb (n); `modrobust.robot.Parameters.packed` makes them.
-A kernel status that is not OK raises ``KernelStatus`` with ``args == (status, index)``.
+Arrays are C-contiguous float64. Parameters are packed vectors (`Parameters.packed`): mass (b),
+com (b, 3), inertia xx xy xz yy yz zz (b, 6), rotor inertia, viscous, coulomb (n each). A status
+other than STATUS_OK raises `KernelError` with the status as its only argument.
 """
 
-from numpy import int32
+import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[float]  # type: ignore[type-var]
-IntArray = NDArray[int32]
+_Array = NDArray[np.float64]
+_Ints = NDArray[np.int32]
 
 HULL: int
 IANEA: int
@@ -19,5 +19,151 @@ STATUS_ANGLE_RANGE: int
 STATUS_SINGULAR: int
 STATUS_TIME: int
 STATUS_DIVERGED: int
+ANGLE_MAX: float
 
-class KernelStatus(ArithmeticError): ...
+class KernelError(ArithmeticError): ...
+
+class Model:
+    def __init__(
+        self,
+        joint_type: _Ints,
+        parent: _Ints,
+        before: _Array,
+        after: _Array,
+        gravity: _Array,
+        body_joint: _Ints,
+        placement: _Array,
+        gear_ratio: _Array,
+        coulomb_speed: _Array,
+    ) -> None: ...
+    @property
+    def n(self) -> int: ...
+    @property
+    def b(self) -> int: ...
+
+def sincos(x: float) -> tuple[float, float]: ...
+def inverse_dynamics(
+    model: Model,
+    parameters: _Array,
+    q: _Array,
+    dq: _Array,
+    dq_a: _Array,
+    ddq_a: _Array,
+    drives: bool,
+) -> _Array: ...
+def inverse_dynamics_bounds(
+    model: Model,
+    nominal: _Array,
+    lower: _Array,
+    upper: _Array,
+    q: _Array,
+    dq: _Array,
+    dq_a: _Array,
+    ddq_a: _Array,
+    method: int,
+    drives: bool,
+) -> _Array: ...
+def perturbation_bounds(
+    model: Model,
+    nominal: _Array,
+    lower: _Array,
+    upper: _Array,
+    disturbance: _Array,
+    q: _Array,
+    dq: _Array,
+    dq_a: _Array,
+    ddq_a: _Array,
+    method: int,
+) -> _Array: ...
+def mass_matrix(model: Model, parameters: _Array, q: _Array, drives: bool) -> _Array: ...
+def forward_dynamics(
+    model: Model, parameters: _Array, q: _Array, dq: _Array, tau: _Array, drives: bool
+) -> _Array: ...
+def forward_kinematics(model: Model, q: _Array) -> _Array: ...
+
+class Controller:
+    def __init__(
+        self,
+        model: Model,
+        nominal: _Array,
+        lower: _Array,
+        upper: _Array,
+        disturbance: _Array,
+        K_r: _Array,
+        kappa_P: float,
+        kappa_I: float,
+        phi_P: float,
+        phi_I: float,
+        epsilon: float,
+        law: int,
+        method: int,
+    ) -> None: ...
+    def command(
+        self,
+        t: float,
+        q: _Array,
+        dq: _Array,
+        q_des: _Array,
+        dq_des: _Array,
+        ddq_des: _Array,
+    ) -> _Array:
+        """Rows tau, nominal, v, phi_lo, phi_hi, rho."""
+    def time_commands(
+        self,
+        t: _Array,
+        q: _Array,
+        dq: _Array,
+        q_des: _Array,
+        dq_des: _Array,
+        ddq_des: _Array,
+    ) -> _Array:
+        """Seconds of each command on recorded signals; the integrators start at rest."""
+    def reset(self) -> None: ...
+    @property
+    def rho_norm(self) -> float: ...
+    @property
+    def kappa(self) -> float: ...
+    @property
+    def phi(self) -> float: ...
+
+class Loop:
+    def __init__(
+        self,
+        controller: Controller,
+        true_parameters: _Array,
+        true_disturbance: _Array,
+        q0: _Array,
+        dq0: _Array,
+        dt: float,
+        substeps: int,
+    ) -> None: ...
+    def advance(
+        self, q_des: _Array, dq_des: _Array, ddq_des: _Array, log_every: int
+    ) -> dict[str, _Array]:
+        """Runs the ticks of the reference rows; arrays of the ticks logged on the way."""
+    @property
+    def status(self) -> int: ...
+    @property
+    def time(self) -> float: ...
+    @property
+    def ticks(self) -> int: ...
+    @property
+    def violations(self) -> int: ...
+    @property
+    def violation_max(self) -> float: ...
+    @property
+    def error_last(self) -> float: ...
+    @property
+    def last_outside(self) -> float: ...
+    @property
+    def error_max_after(self) -> float: ...
+    @property
+    def rho_sum(self) -> float: ...
+    @property
+    def rho_max(self) -> float: ...
+    @property
+    def q(self) -> _Array: ...
+    @property
+    def dq(self) -> _Array: ...
+    @property
+    def tau_max(self) -> _Array: ...

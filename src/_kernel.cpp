@@ -1,0 +1,453 @@
+// Binding of the C kernel: argument shapes, memory and calls. No arithmetic.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+
+#include <chrono>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "modrobust/kernel/mr_kernel.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+using Vec = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Mat = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Stack = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
+using Ints = nb::ndarray<const int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Out = nb::ndarray<nb::numpy, double, nb::c_contig>;
+using Doubles = std::vector<double>;
+
+namespace {
+
+PyObject *kernel_status_type = nullptr;
+
+void check(mr_status status) {
+    if (status == MR_OK) return;
+    PyErr_SetObject(kernel_status_type, nb::make_tuple(static_cast<int>(status)).ptr());
+    throw nb::python_error();
+}
+
+void require(bool ok, const char *what) {
+    if (!ok) throw std::invalid_argument(what);
+}
+
+Out numpy(Doubles &&data, std::vector<size_t> shape) {
+    auto *owned = new Doubles(std::move(data));
+    nb::capsule owner(owned, [](void *p) noexcept { delete static_cast<Doubles *>(p); });
+    return Out(owned->data(), shape.size(), shape.data(), owner);
+}
+
+Doubles doubles(const Vec &v) { return Doubles(v.data(), v.data() + v.size()); }
+std::vector<int32_t> ints(const Ints &v) { return {v.data(), v.data() + v.size()}; }
+
+std::vector<mr_transform> transforms(const Stack &T) {
+    std::vector<mr_transform> out(T.shape(0));
+    for (size_t i = 0; i < out.size(); ++i)
+        for (int r = 0; r < 3; ++r) {
+            for (int c = 0; c < 3; ++c) out[i].R[3 * r + c] = T.data()[16 * i + 4 * r + c];
+            out[i].p[r] = T.data()[16 * i + 4 * r + 3];
+        }
+    return out;
+}
+
+class Model {
+  public:
+    Model(const Ints &joint_type, const Ints &parent, const Stack &before, const Stack &after,
+          const Vec &gravity, const Ints &body_joint, const Stack &placement,
+          const Vec &gear_ratio, const Vec &coulomb_speed)
+        : types(ints(joint_type)), parents(ints(parent)), befores(transforms(before)),
+          afters(transforms(after)), joints(ints(body_joint)), placements(transforms(placement)),
+          ratios(doubles(gear_ratio)), speeds(doubles(coulomb_speed)) {
+        const size_t n = types.size(), b = joints.size();
+        require(n > 0 && parents.size() == n && befores.size() == n && afters.size() == n &&
+                    ratios.size() == n && speeds.size() == n && placements.size() == b &&
+                    gravity.size() == 3,
+                "Model: arrays of joints and bodies differ in length");
+        for (size_t i = 0; i < n; ++i) {
+            require(parents[i] >= -1 && parents[i] < static_cast<int32_t>(i),
+                    "Model: a joint's parent must come before it");
+            require(types[i] == MR_REVOLUTE || types[i] == MR_PRISMATIC,
+                    "Model: joint types are 0 (revolute) and 1 (prismatic)");
+        }
+        for (int32_t joint : joints)
+            require(joint >= -1 && joint < static_cast<int32_t>(n),
+                    "Model: a body's joint must exist");
+        c.n = static_cast<int32_t>(n);
+        c.b = static_cast<int32_t>(b);
+        c.joint_type = types.data();
+        c.parent = parents.data();
+        c.before = befores.data();
+        c.after = afters.data();
+        c.body_joint = joints.data();
+        c.placement = placements.data();
+        c.gear_ratio = ratios.data();
+        c.coulomb_speed = speeds.data();
+        std::memcpy(c.gravity, gravity.data(), sizeof c.gravity);
+    }
+    Model(const Model &) = delete;
+
+    void require_joints(const Vec &v, const char *name) const {
+        if (v.size() != static_cast<size_t>(c.n))
+            throw std::invalid_argument(std::string(name) + ": expected " + std::to_string(c.n) +
+                                        " entries, got " + std::to_string(v.size()));
+    }
+    void require_parameters(const Vec &v) const {
+        require(v.size() == mr_parameters_size(c.n, c.b), "parameters: wrong packed length");
+    }
+    size_t n() const { return static_cast<size_t>(c.n); }
+
+    mr_model c{};
+
+  private:
+    std::vector<int32_t> types, parents;
+    std::vector<mr_transform> befores, afters;
+    std::vector<int32_t> joints;
+    std::vector<mr_transform> placements;
+    Doubles ratios, speeds;
+};
+
+// The known box of parameters and disturbance; borrows the arrays or owns copies of them.
+class Bounds {
+  public:
+    Bounds(const Model &model, const Vec &nominal, const Vec &lower, const Vec &upper,
+           const double *disturbance) {
+        for (const Vec *v : {&nominal, &lower, &upper}) model.require_parameters(*v);
+        c.nominal = mr_parameters_view(model.c.n, model.c.b, nominal.data());
+        c.lower = mr_parameters_view(model.c.n, model.c.b, lower.data());
+        c.upper = mr_parameters_view(model.c.n, model.c.b, upper.data());
+        c.disturbance_lo = disturbance;
+        c.disturbance_hi = disturbance ? disturbance + model.c.n : nullptr;
+        uncertain.resize(static_cast<size_t>(model.c.b));
+        c.uncertain_count = mr_find_uncertain(model.c.b, &c.lower, &c.upper, uncertain.data());
+        c.uncertain = uncertain.data();
+    }
+    mr_bounds c{};
+
+  private:
+    std::vector<int32_t> uncertain;
+};
+
+mr_method method_of(int method) {
+    require(method == MR_HULL || method == MR_IANEA, "method: 0 (hull) or 1 (ianea)");
+    return static_cast<mr_method>(method);
+}
+
+void require_state(const Model &model, const Vec &q, const Vec &dq, const Vec &dq_a,
+                   const Vec &ddq_a) {
+    model.require_joints(q, "q");
+    model.require_joints(dq, "dq");
+    model.require_joints(dq_a, "dq_a");
+    model.require_joints(ddq_a, "ddq_a");
+}
+
+Out inverse_dynamics(const Model &model, const Vec &parameters, const Vec &q, const Vec &dq,
+                     const Vec &dq_a, const Vec &ddq_a, bool drives) {
+    model.require_parameters(parameters);
+    require_state(model, q, dq, dq_a, ddq_a);
+    const mr_parameters view = mr_parameters_view(model.c.n, model.c.b, parameters.data());
+    Doubles workspace(mr_workspace_size(model.c.n, model.c.b)), tau(model.n());
+    check(mr_inverse_dynamics(&model.c, &view, q.data(), dq.data(), dq_a.data(), ddq_a.data(),
+                              drives, workspace.data(), tau.data()));
+    return numpy(std::move(tau), {model.n()});
+}
+
+Out inverse_dynamics_bounds(const Model &model, const Vec &nominal, const Vec &lower,
+                            const Vec &upper, const Vec &q, const Vec &dq, const Vec &dq_a,
+                            const Vec &ddq_a, int method, bool drives) {
+    require_state(model, q, dq, dq_a, ddq_a);
+    const Bounds bounds(model, nominal, lower, upper, nullptr);
+    Doubles workspace(mr_workspace_size(model.c.n, model.c.b)), out(2 * model.n());
+    check(mr_inverse_dynamics_bounds(&model.c, &bounds.c, method_of(method), q.data(), dq.data(),
+                                     dq_a.data(), ddq_a.data(), drives, workspace.data(),
+                                     out.data(), out.data() + model.n()));
+    return numpy(std::move(out), {2, model.n()});
+}
+
+Out perturbation_bounds(const Model &model, const Vec &nominal, const Vec &lower,
+                        const Vec &upper, const Mat &disturbance, const Vec &q, const Vec &dq,
+                        const Vec &dq_a, const Vec &ddq_a, int method) {
+    require_state(model, q, dq, dq_a, ddq_a);
+    require(disturbance.shape(0) == 2 && disturbance.shape(1) == model.n(),
+            "disturbance: expected shape (2, n)");
+    const Bounds bounds(model, nominal, lower, upper, disturbance.data());
+    Doubles workspace(mr_workspace_size(model.c.n, model.c.b)), u0(model.n()), out(2 * model.n());
+    check(mr_perturbation_bounds(&model.c, &bounds.c, method_of(method), q.data(), dq.data(),
+                                 dq_a.data(), ddq_a.data(), workspace.data(), u0.data(),
+                                 out.data(), out.data() + model.n()));
+    return numpy(std::move(out), {2, model.n()});
+}
+
+Out mass_matrix(const Model &model, const Vec &parameters, const Vec &q, bool drives) {
+    model.require_parameters(parameters);
+    model.require_joints(q, "q");
+    const mr_parameters view = mr_parameters_view(model.c.n, model.c.b, parameters.data());
+    Doubles workspace(mr_dynamics_workspace_size(model.c.n, model.c.b)), M(model.n() * model.n());
+    check(mr_mass_matrix(&model.c, &view, q.data(), drives, workspace.data(), M.data()));
+    return numpy(std::move(M), {model.n(), model.n()});
+}
+
+Out forward_dynamics(const Model &model, const Vec &parameters, const Vec &q, const Vec &dq,
+                     const Vec &tau, bool drives) {
+    model.require_parameters(parameters);
+    model.require_joints(q, "q");
+    model.require_joints(dq, "dq");
+    model.require_joints(tau, "tau");
+    const mr_parameters view = mr_parameters_view(model.c.n, model.c.b, parameters.data());
+    Doubles workspace(mr_dynamics_workspace_size(model.c.n, model.c.b)), ddq(model.n());
+    check(mr_forward_dynamics(&model.c, &view, q.data(), dq.data(), tau.data(), drives,
+                              workspace.data(), ddq.data()));
+    return numpy(std::move(ddq), {model.n()});
+}
+
+Out forward_kinematics(const Model &model, const Vec &q) {
+    model.require_joints(q, "q");
+    Doubles workspace(mr_workspace_size(model.c.n, model.c.b)), out(16 * model.n(), 0.0);
+    std::vector<mr_transform> frames(model.n());
+    check(mr_forward_kinematics(&model.c, q.data(), workspace.data(), frames.data()));
+    for (size_t i = 0; i < model.n(); ++i) {
+        double *T = out.data() + 16 * i;
+        for (int r = 0; r < 3; ++r) {
+            std::memcpy(T + 4 * r, frames[i].R + 3 * r, 3 * sizeof(double));
+            T[4 * r + 3] = frames[i].p[r];
+        }
+        T[15] = 1.0;
+    }
+    return numpy(std::move(out), {model.n(), 4, 4});
+}
+
+nb::tuple sine_cosine(double x) {
+    double s, c;
+    check(std::abs(x) <= MR_ANGLE_MAX ? MR_OK : MR_ANGLE_RANGE);
+    mr_sincos(x, &s, &c);
+    return nb::make_tuple(s, c);
+}
+
+class Controller {
+  public:
+    Controller(nb::object model_object, const Vec &nominal, const Vec &lower, const Vec &upper,
+               const Mat &disturbance, const Vec &K_r, double kappa_P, double kappa_I,
+               double phi_P, double phi_I, double epsilon, int law, int method)
+        : owner(model_object), model(nb::cast<Model &>(model_object)), arrays{
+              nominal, lower, upper, K_r}, disturbances(disturbance),
+          bounds(model, nominal, lower, upper, disturbance.data()) {
+        model.require_joints(K_r, "K_r");
+        require(law == MR_LAW_NORM, "law: 0 (norm)");
+        require(disturbance.shape(0) == 2 && disturbance.shape(1) == model.n(),
+                "disturbance: expected shape (2, n)");
+        gains = {arrays[3].data(), kappa_P, kappa_I, phi_P,
+                 phi_I, epsilon, static_cast<mr_law>(law), method_of(method)};
+        workspace.resize(mr_workspace_size(model.c.n, model.c.b));
+    }
+
+    Out command(double t, const Vec &q, const Vec &dq, const Vec &q_des, const Vec &dq_des,
+                const Vec &ddq_des) {
+        require_state(model, q, dq, q_des, dq_des);
+        model.require_joints(ddq_des, "ddq_des");
+        Doubles rows(6 * model.n());
+        mr_command_out out = outputs(rows.data());
+        check(mr_command(&model.c, &bounds.c, &gains, t, q.data(), dq.data(), q_des.data(),
+                         dq_des.data(), ddq_des.data(), workspace.data(), &state, &out));
+        rho_norm = out.rho_norm;
+        kappa = out.kappa;
+        phi = out.phi;
+        return numpy(std::move(rows), {6, model.n()});
+    }
+
+    // Seconds of each command on recorded signals; the integrators start at rest.
+    Out time_commands(const Vec &t, const Mat &q, const Mat &dq, const Mat &q_des,
+                      const Mat &dq_des, const Mat &ddq_des) {
+        const size_t count = t.size(), n = model.n();
+        for (const Mat *m : {&q, &dq, &q_des, &dq_des, &ddq_des})
+            require(m->shape(0) == count && m->shape(1) == n, "signals: expected shape (k, n)");
+        Doubles seconds(count), rows(6 * n);
+        mr_command_out out = outputs(rows.data());
+        mr_controller_state fresh{};
+        mr_status status = MR_OK;
+        {
+            nb::gil_scoped_release release;
+            for (size_t k = 0; k < count && status == MR_OK; ++k) {
+                const auto start = std::chrono::steady_clock::now();
+                status = mr_command(&model.c, &bounds.c, &gains, t.data()[k], q.data() + k * n,
+                                    dq.data() + k * n, q_des.data() + k * n, dq_des.data() + k * n,
+                                    ddq_des.data() + k * n, workspace.data(), &fresh, &out);
+                const std::chrono::duration<double> elapsed =
+                    std::chrono::steady_clock::now() - start;
+                seconds[k] = elapsed.count();
+            }
+        }
+        check(status);
+        return numpy(std::move(seconds), {count});
+    }
+
+    void reset() { state = mr_controller_state{}; }
+
+    mr_command_out outputs(double *rows) const {
+        const size_t n = model.n();
+        return {rows, rows + n, rows + 2 * n, rows + 3 * n, rows + 4 * n, rows + 5 * n,
+                0.0,  0.0,      0.0};
+    }
+
+    nb::object owner;
+    const Model &model;
+    std::vector<Vec> arrays;
+    Mat disturbances;
+    Bounds bounds;
+    mr_gains gains{};
+    mr_controller_state state{};
+    Doubles workspace;
+    double rho_norm = 0.0, kappa = 0.0, phi = 0.0;
+};
+
+// The closed loop; its controller state is its own and starts at rest.
+class Loop {
+  public:
+    Loop(nb::object controller_object, const Vec &true_parameters, const Vec &true_disturbance,
+         const Vec &q0, const Vec &dq0, double dt, int substeps)
+        : owner(controller_object), controller(nb::cast<Controller &>(controller_object)),
+          model(controller.model), parameters(doubles(true_parameters)),
+          disturbance(doubles(true_disturbance)), q(doubles(q0)), dq(doubles(dq0)),
+          tau_previous(model.n()), tau_max(model.n()), total_variation(model.n()) {
+        model.require_parameters(true_parameters);
+        model.require_joints(true_disturbance, "true_disturbance");
+        model.require_joints(q0, "q0");
+        model.require_joints(dq0, "dq0");
+        require(dt > 0.0 && dt < std::numeric_limits<double>::infinity() && substeps > 0,
+                "dt and substeps must be positive");
+        c.dt = dt;
+        c.substeps = substeps;
+        c.last_outside = -1.0;
+        c.q = q.data();
+        c.dq = dq.data();
+        c.tau_previous = tau_previous.data();
+        c.tau_max = tau_max.data();
+        c.total_variation = total_variation.data();
+        workspace.resize(mr_loop_workspace_size(model.c.n, model.c.b));
+    }
+
+    nb::dict advance(const Mat &q_des, const Mat &dq_des, const Mat &ddq_des, int log_every) {
+        const size_t count = q_des.shape(0), n = model.n();
+        for (const Mat *m : {&q_des, &dq_des, &ddq_des})
+            require(m->shape(0) == count && m->shape(1) == n, "reference: expected shape (k, n)");
+        require(log_every > 0, "log_every must be positive");
+        const size_t rows = count / static_cast<size_t>(log_every) + 1;
+        static const char *const names[] = {"q",      "dq",     "q_des",  "dq_des",
+                                            "ddq_des", "tau",   "w",      "phi_lo",
+                                            "phi_hi", "rho",    "width_hull", "width_ianea",
+                                            "total_variation"};
+        constexpr size_t columns = sizeof names / sizeof *names;
+        std::vector<Doubles> data(columns, Doubles(rows * n));
+        Doubles t(rows);
+        mr_loop_log log = {t.data(),        data[0].data(), data[1].data(),  data[2].data(),
+                           data[3].data(),  data[4].data(), data[5].data(),  data[6].data(),
+                           data[7].data(),  data[8].data(), data[9].data(),  data[10].data(),
+                           data[11].data(), data[12].data()};
+        const mr_parameters view = mr_parameters_view(model.c.n, model.c.b, parameters.data());
+        int32_t logged = 0;
+        {
+            nb::gil_scoped_release release;
+            status = mr_loop_advance(&model.c, &controller.bounds.c, &controller.gains, &view,
+                                     disturbance.data(), static_cast<int32_t>(count),
+                                     q_des.data(), dq_des.data(), ddq_des.data(), log_every,
+                                     workspace.data(), &state, &c, &log, &logged);
+        }
+        const size_t kept = static_cast<size_t>(logged);
+        nb::dict out;
+        t.resize(kept);
+        out["t"] = numpy(std::move(t), {kept});
+        for (size_t k = 0; k < columns; ++k) {
+            data[k].resize(kept * n);
+            out[names[k]] = numpy(std::move(data[k]), {kept, n});
+        }
+        return out;
+    }
+
+    Out copy(const Doubles &v) const { return numpy(Doubles(v), {v.size()}); }
+
+    nb::object owner;
+    Controller &controller;
+    const Model &model;
+    Doubles parameters, disturbance, q, dq, tau_previous, tau_max, total_variation, workspace;
+    mr_controller_state state{};
+    mr_loop c{};
+    mr_status status = MR_OK;
+};
+
+}  // namespace
+
+NB_MODULE(_kernel, m) {
+    m.doc() = "The modrobust kernel; see modrobust.dynamics for the checked functions.";
+    kernel_status_type =
+        PyErr_NewException("modrobust._kernel.KernelError", PyExc_ArithmeticError, nullptr);
+    m.attr("KernelError") = nb::handle(kernel_status_type);
+    m.attr("HULL") = static_cast<int>(MR_HULL);
+    m.attr("IANEA") = static_cast<int>(MR_IANEA);
+    m.attr("STATUS_OK") = static_cast<int>(MR_OK);
+    m.attr("STATUS_NOT_FINITE") = static_cast<int>(MR_NOT_FINITE);
+    m.attr("STATUS_ANGLE_RANGE") = static_cast<int>(MR_ANGLE_RANGE);
+    m.attr("STATUS_SINGULAR") = static_cast<int>(MR_SINGULAR);
+    m.attr("STATUS_TIME") = static_cast<int>(MR_TIME);
+    m.attr("STATUS_DIVERGED") = static_cast<int>(MR_DIVERGED);
+    m.attr("ANGLE_MAX") = MR_ANGLE_MAX;
+
+    nb::class_<Model>(m, "Model")
+        .def(nb::init<const Ints &, const Ints &, const Stack &, const Stack &, const Vec &,
+                      const Ints &, const Stack &, const Vec &, const Vec &>(),
+             "joint_type"_a, "parent"_a, "before"_a, "after"_a, "gravity"_a, "body_joint"_a,
+             "placement"_a, "gear_ratio"_a, "coulomb_speed"_a)
+        .def_prop_ro("n", [](const Model &model) { return model.c.n; })
+        .def_prop_ro("b", [](const Model &model) { return model.c.b; });
+
+    m.def("sincos", &sine_cosine, "x"_a);
+    m.def("inverse_dynamics", &inverse_dynamics, "model"_a, "parameters"_a, "q"_a, "dq"_a,
+          "dq_a"_a, "ddq_a"_a, "drives"_a);
+    m.def("inverse_dynamics_bounds", &inverse_dynamics_bounds, "model"_a, "nominal"_a, "lower"_a,
+          "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "method"_a, "drives"_a);
+    m.def("perturbation_bounds", &perturbation_bounds, "model"_a, "nominal"_a, "lower"_a,
+          "upper"_a, "disturbance"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "method"_a);
+    m.def("mass_matrix", &mass_matrix, "model"_a, "parameters"_a, "q"_a, "drives"_a);
+    m.def("forward_dynamics", &forward_dynamics, "model"_a, "parameters"_a, "q"_a, "dq"_a,
+          "tau"_a, "drives"_a);
+    m.def("forward_kinematics", &forward_kinematics, "model"_a, "q"_a);
+
+    nb::class_<Controller>(m, "Controller")
+        .def(nb::init<nb::object, const Vec &, const Vec &, const Vec &, const Mat &, const Vec &,
+                      double, double, double, double, double, int, int>(),
+             "model"_a, "nominal"_a, "lower"_a, "upper"_a, "disturbance"_a, "K_r"_a, "kappa_P"_a,
+             "kappa_I"_a, "phi_P"_a, "phi_I"_a, "epsilon"_a, "law"_a, "method"_a)
+        .def("command", &Controller::command, "t"_a, "q"_a, "dq"_a, "q_des"_a, "dq_des"_a,
+             "ddq_des"_a)
+        .def("time_commands", &Controller::time_commands, "t"_a, "q"_a, "dq"_a, "q_des"_a,
+             "dq_des"_a, "ddq_des"_a)
+        .def("reset", &Controller::reset)
+        .def_ro("rho_norm", &Controller::rho_norm)
+        .def_ro("kappa", &Controller::kappa)
+        .def_ro("phi", &Controller::phi);
+
+    nb::class_<Loop>(m, "Loop")
+        .def(nb::init<nb::object, const Vec &, const Vec &, const Vec &, const Vec &, double,
+                      int>(),
+             "controller"_a, "true_parameters"_a, "true_disturbance"_a, "q0"_a, "dq0"_a, "dt"_a,
+             "substeps"_a)
+        .def("advance", &Loop::advance, "q_des"_a, "dq_des"_a, "ddq_des"_a, "log_every"_a)
+        .def_prop_ro("status", [](const Loop &l) { return static_cast<int>(l.status); })
+        .def_prop_ro("time", [](const Loop &l) { return double(l.c.ticks) * l.c.dt; })
+        .def_prop_ro("ticks", [](const Loop &l) { return l.c.ticks; })
+        .def_prop_ro("violations", [](const Loop &l) { return l.c.violations; })
+        .def_prop_ro("violation_max", [](const Loop &l) { return l.c.violation_max; })
+        .def_prop_ro("error_last", [](const Loop &l) { return l.c.error_last; })
+        .def_prop_ro("last_outside", [](const Loop &l) { return l.c.last_outside; })
+        .def_prop_ro("error_max_after", [](const Loop &l) { return l.c.error_max_after; })
+        .def_prop_ro("rho_sum", [](const Loop &l) { return l.c.rho_sum; })
+        .def_prop_ro("rho_max", [](const Loop &l) { return l.c.rho_max; })
+        .def_prop_ro("q", [](const Loop &l) { return l.copy(l.q); },
+                     nb::rv_policy::move)
+        .def_prop_ro("dq", [](const Loop &l) { return l.copy(l.dq); },
+                     nb::rv_policy::move)
+        .def_prop_ro("tau_max", [](const Loop &l) { return l.copy(l.tau_max); },
+                     nb::rv_policy::move);
+}

@@ -1,0 +1,253 @@
+"""Torques, their guaranteed bounds, mass matrix and forward dynamics of a robot.
+
+Equation numbers are those of docs/equations.md. Shapes: n joints, b bodies; SI units, angles in
+radians; entries of prismatic joints in metres and newtons.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from modrobust import _kernel
+from modrobust.arrays import as_array
+from modrobust.errors import ShapeError
+from modrobust.kernel import method_code, status_error
+from modrobust.robot import Parameters, Robot
+
+Array = NDArray[np.float64]
+
+
+def inverse_dynamics(
+    robot: Robot,
+    q: ArrayLike,
+    dq: ArrayLike,
+    dq_a: ArrayLike,
+    ddq_a: ArrayLike,
+    parameters: Parameters | None = None,
+    drives: bool = True,
+) -> Array:
+    r"""Torques of the passivity-based model: the modified recursive Newton-Euler algorithm NE*.
+
+    .. math:: \tau = M(q)\,\ddot q_a + C(q,\dot q)\,\dot q_a + g(q)
+              + F_v \dot q + F_c\, s(\dot q) + k^2 I_m \ddot q_a
+
+    with the factorisation C for which dM/dt - 2 C is skew-symmetric. With ``dq_a = dq`` and
+    ``ddq_a = ddq`` it is the ordinary inverse dynamics.
+
+    Args:
+        robot: Robot with n joints.
+        q: Joint positions (n,) [rad].
+        dq: Joint velocities (n,) [rad/s].
+        dq_a: Auxiliary (reference) velocities (n,) [rad/s].
+        ddq_a: Auxiliary accelerations (n,) [rad/s^2].
+        parameters: Dynamic parameters; None = the robot's nominal ones.
+        drives: Whether friction (19) and reflected rotor inertia (20) are included.
+
+    Returns:
+        Joint torques (n,) [N m].
+
+    Raises:
+        ShapeError: A vector does not have n entries, or `parameters` belong to another robot.
+        ValueRangeError: An entry is not finite, or an angle is beyond 1e5 rad.
+
+    Source: Algorithm 1 of Giusti and Althoff 2017; kernel twin ``mr_inverse_dynamics``.
+    """
+    state = _vectors(robot, q=q, dq=dq, dq_a=dq_a, ddq_a=ddq_a)
+    return _run(_kernel.inverse_dynamics, robot.model, _packed(robot, parameters), *state, drives)
+
+
+def inverse_dynamics_bounds(
+    robot: Robot,
+    q: ArrayLike,
+    dq: ArrayLike,
+    dq_a: ArrayLike,
+    ddq_a: ArrayLike,
+    method: str = "hull",
+    drives: bool = True,
+) -> tuple[Array, Array]:
+    r"""Bounds of `inverse_dynamics` over every parameter point inside the robot's bounds.
+
+    ``hull`` is the range itself, joint by joint, (16) to (18); ``ianea`` is the paper's interval
+    arithmetic, linear in n and wider.
+
+    Args:
+        robot: Robot with n joints.
+        q: Joint positions (n,) [rad].
+        dq: Joint velocities (n,) [rad/s].
+        dq_a: Auxiliary velocities (n,) [rad/s].
+        ddq_a: Auxiliary accelerations (n,) [rad/s^2].
+        method: "hull" or "ianea".
+        drives: Whether friction (19) and reflected rotor inertia (20) are included.
+
+    Returns:
+        Lower and upper bounds (n,), (n,) [N m]. Equal where every parameter is exact.
+
+    Raises:
+        ShapeError: A vector does not have n entries.
+        ValueRangeError: An entry is not finite, an angle is beyond 1e5 rad, or an unknown method.
+
+    Source: Algorithm 1 of Giusti and Althoff 2017; kernel twin ``mr_inverse_dynamics_bounds``.
+    """
+    state = _vectors(robot, q=q, dq=dq, dq_a=dq_a, ddq_a=ddq_a)
+    lo, hi = _run(
+        _kernel.inverse_dynamics_bounds,
+        robot.model,
+        *_box(robot),
+        *state,
+        method_code(method),
+        drives,
+    )
+    return lo, hi
+
+
+def perturbation_bounds(
+    robot: Robot,
+    q: ArrayLike,
+    dq: ArrayLike,
+    dq_a: ArrayLike,
+    ddq_a: ArrayLike,
+    method: str = "hull",
+) -> tuple[Array, Array]:
+    r"""The perturbation set: what the true torque may differ from the nominal one, (12).
+
+    .. math:: [\Phi] = \mathrm{NE}^*([\Delta]) - u_0 - [d]
+
+    with u_0 the nominal torque as computed, drives and disturbance included.
+
+    Args:
+        robot: Robot with n joints.
+        q: Joint positions (n,) [rad].
+        dq: Joint velocities (n,) [rad/s].
+        dq_a: Auxiliary velocities (n,) [rad/s].
+        ddq_a: Auxiliary accelerations (n,) [rad/s^2].
+        method: "hull" or "ianea".
+
+    Returns:
+        Lower and upper bounds of [Phi] (n,), (n,) [N m].
+
+    Raises:
+        ShapeError: A vector does not have n entries.
+        ValueRangeError: An entry is not finite, an angle is beyond 1e5 rad, or an unknown method.
+
+    Source: (12) of Giusti and Althoff 2017; kernel twin ``mr_perturbation_bounds``.
+    """
+    state = _vectors(robot, q=q, dq=dq, dq_a=dq_a, ddq_a=ddq_a)
+    disturbance = np.stack([robot.disturbance.lo, robot.disturbance.hi])
+    lo, hi = _run(
+        _kernel.perturbation_bounds,
+        robot.model,
+        *_box(robot),
+        disturbance,
+        *state,
+        method_code(method),
+    )
+    return lo, hi
+
+
+def mass_matrix(
+    robot: Robot, q: ArrayLike, parameters: Parameters | None = None, drives: bool = True
+) -> Array:
+    r"""Joint-space mass matrix M(q), symmetric and positive definite, (21).
+
+    Args:
+        robot: Robot with n joints.
+        q: Joint positions (n,) [rad].
+        parameters: Dynamic parameters; None = the robot's nominal ones.
+        drives: Whether the reflected rotor inertia k^2 I_m is added on the diagonal.
+
+    Returns:
+        M (n, n) [kg m^2].
+
+    Raises:
+        ShapeError: q does not have n entries, or `parameters` belong to another robot.
+        ValueRangeError: An entry is not finite, or an angle is beyond 1e5 rad.
+
+    Source: composite rigid bodies (Walker and Orin 1982); kernel twin ``mr_mass_matrix``.
+    """
+    (position,) = _vectors(robot, q=q)
+    return _run(_kernel.mass_matrix, robot.model, _packed(robot, parameters), position, drives)
+
+
+def forward_dynamics(
+    robot: Robot,
+    q: ArrayLike,
+    dq: ArrayLike,
+    tau: ArrayLike,
+    parameters: Parameters | None = None,
+    drives: bool = True,
+) -> Array:
+    r"""Accelerations of the robot under joint torques, (22) without disturbance.
+
+    .. math:: \ddot q = M(q)^{-1} (\tau - C(q,\dot q)\,\dot q - g(q) - F_v\dot q - F_c s(\dot q))
+
+    Args:
+        robot: Robot with n joints.
+        q: Joint positions (n,) [rad].
+        dq: Joint velocities (n,) [rad/s].
+        tau: Joint torques (n,) [N m].
+        parameters: Dynamic parameters; None = the robot's nominal ones.
+        drives: Whether friction and reflected rotor inertia act.
+
+    Returns:
+        Joint accelerations (n,) [rad/s^2].
+
+    Raises:
+        ShapeError: A vector does not have n entries, or `parameters` belong to another robot.
+        ValueRangeError: An entry is not finite, or an angle is beyond 1e5 rad.
+        SingularMassMatrixError: M(q) is not positive definite.
+
+    Source: kernel twin ``mr_forward_dynamics``.
+    """
+    state = _vectors(robot, q=q, dq=dq, tau=tau)
+    return _run(_kernel.forward_dynamics, robot.model, _packed(robot, parameters), *state, drives)
+
+
+def forward_kinematics(robot: Robot, q: ArrayLike) -> Array:
+    r"""Link frames in the base frame: products of T_i = before_i J_i(q_i) after_i, (14).
+
+    Args:
+        robot: Robot with n joints.
+        q: Joint positions (n,) [rad].
+
+    Returns:
+        Homogeneous transforms (n, 4, 4), link to base [m].
+
+    Raises:
+        ShapeError: q does not have n entries.
+        ValueRangeError: An entry is not finite, or an angle is beyond 1e5 rad.
+
+    Source: kernel twin ``mr_forward_kinematics``.
+    """
+    (position,) = _vectors(robot, q=q)
+    return _run(_kernel.forward_kinematics, robot.model, position)
+
+
+def _vectors(robot: Robot, **named: ArrayLike) -> list[Array]:
+    owner = f'robot "{robot.name}" has {robot.n} joints'
+    return [as_array(name, value, (robot.n,), owner) for name, value in named.items()]
+
+
+def _packed(robot: Robot, parameters: Parameters | None) -> Array:
+    if parameters is None:
+        return robot.nominal.packed
+    shapes = (parameters.mass.shape, parameters.viscous.shape)
+    if shapes != ((robot.b,), (robot.n,)):
+        raise ShapeError(
+            f"parameters: made for {shapes[0][0]} bodies and {shapes[1][0]} joints;"
+            f' robot "{robot.name}" has {robot.b} and {robot.n}'
+        )
+    return parameters.packed
+
+
+def _box(robot: Robot) -> tuple[Array, Array, Array]:
+    return robot.nominal.packed, robot.lower.packed, robot.upper.packed
+
+
+def _run(function: Callable[..., Array], *arguments: object) -> Array:
+    try:
+        return function(*arguments)
+    except _kernel.KernelError as problem:
+        raise status_error(problem) from None

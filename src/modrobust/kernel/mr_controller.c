@@ -1,0 +1,58 @@
+/* Robust control law (3), (4), (7), (8) with the integrators of Section V. */
+#include "mr_internal.h"
+
+mr_status mr_command(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
+                     double t, const double *q, const double *dq, const double *q_des,
+                     const double *dq_des, const double *ddq_des, double *workspace,
+                     mr_controller_state *state, mr_command_out *out) {
+    const int32_t n = model->n;
+    mr_workspace ws = mr_workspace_view(n, workspace);
+    double error_squared = 0.0, rho_squared = 0.0;
+    if (!isfinite(t)) return MR_NOT_FINITE;
+    if (mr_check_vector(n, q) || mr_check_vector(n, dq) || mr_check_vector(n, q_des) ||
+        mr_check_vector(n, dq_des) || mr_check_vector(n, ddq_des))
+        return MR_NOT_FINITE;
+    if (state->started && t < state->previous_time) return MR_TIME;
+
+    for (int32_t i = 0; i < n; ++i) { /* (4) and its derivative */
+        const double error = q_des[i] - q[i];
+        ws.dq_a[i] = dq_des[i] + gains->K_r[i] * error;
+        ws.ddq_a[i] = ddq_des[i] + gains->K_r[i] * (dq_des[i] - dq[i]);
+        error_squared += error * error;
+    }
+    const mr_status status =
+        mr_perturbation_bounds(model, bounds, gains->method, q, dq, ws.dq_a, ws.ddq_a, workspace,
+                               ws.mid, ws.lo, ws.hi);
+    if (status) return status;
+    for (int32_t i = 0; i < n; ++i) { /* (8) */
+        const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]), rho = a > b ? a : b;
+        rho_squared += rho * rho;
+    }
+    const double error = sqrt(error_squared), rho_norm = sqrt(rho_squared);
+    const double elapsed = state->started ? t - state->previous_time : 0.0;
+    const double integral = state->integral + state->previous_f * elapsed;
+    const double kappa = gains->kappa_P + gains->kappa_I * integral;
+    const double phi = gains->phi_P + gains->phi_I * integral;
+    const double gain = kappa * rho_norm + phi; /* (7) */
+    if (!isfinite(gain) || !isfinite(error)) return MR_NOT_FINITE;
+    for (int32_t i = 0; i < n; ++i)
+        if (!isfinite(ws.mid[i] + gain * (ws.dq_a[i] - dq[i]))) return MR_NOT_FINITE;
+
+    for (int32_t i = 0; i < n; ++i) {
+        const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]);
+        out->rho[i] = a > b ? a : b;
+        out->phi_lo[i] = ws.lo[i];
+        out->phi_hi[i] = ws.hi[i];
+        out->nominal[i] = ws.mid[i];
+        out->v[i] = gain * (ws.dq_a[i] - dq[i]); /* r = dq_a - dq */
+        out->tau[i] = out->nominal[i] + out->v[i];
+    }
+    out->rho_norm = rho_norm;
+    out->kappa = kappa;
+    out->phi = phi;
+    state->integral = integral;
+    state->previous_f = error < gains->epsilon ? 0.0 : error;
+    state->previous_time = t;
+    state->started = 1;
+    return MR_OK;
+}

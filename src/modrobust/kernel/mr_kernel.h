@@ -1,0 +1,199 @@
+/* Interval dynamics and robust control of rigid robots: the whole public interface.
+ *
+ * Equations by number: docs/equations.md. SI units. Every function is free of heap, input and
+ * output, globals and recursion; the caller owns all memory. Inputs are const, outputs come last;
+ * on a status other than MR_OK the outputs and the controller's state are untouched. */
+#ifndef MR_KERNEL_H
+#define MR_KERNEL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __FAST_MATH__
+#error "modrobust: compile without -ffast-math; its guarantees rest on IEEE 754 arithmetic"
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum {
+    MR_OK = 0,
+    MR_NOT_FINITE = 1,  /* an input or a result is infinite or not a number */
+    MR_ANGLE_RANGE = 2, /* a joint angle beyond MR_ANGLE_MAX */
+    MR_SINGULAR = 3,    /* the mass matrix is not positive definite */
+    MR_TIME = 4,        /* time went backwards between two commands */
+    MR_DIVERGED = 5     /* the closed loop left the range of the kernel */
+} mr_status;
+
+typedef enum { MR_REVOLUTE = 0, MR_PRISMATIC = 1 } mr_joint_type;
+typedef enum { MR_HULL = 0, MR_IANEA = 1 } mr_method;
+typedef enum { MR_LAW_NORM = 0 } mr_law;
+
+#define MR_ANGLE_MAX 1e5 /* [rad] */
+
+/* Takes coordinates x in the child frame to R x + p in the parent frame; R row by row. */
+typedef struct {
+    double R[9];
+    double p[3];
+} mr_transform;
+
+/* Geometry of a robot with n joints and b bodies, (14). parent[i] < i, -1 is the base. */
+typedef struct {
+    int32_t n;
+    int32_t b;
+    const int32_t *joint_type;    /* (n) mr_joint_type */
+    const int32_t *parent;        /* (n) */
+    const mr_transform *before;   /* (n) parent link frame to joint frame */
+    const mr_transform *after;    /* (n) joint frame to link frame, follows the motion */
+    const int32_t *body_joint;    /* (b) joint that moves the body, -1 is the base */
+    const mr_transform *placement; /* (b) body frame in its link frame */
+    const double *gear_ratio;     /* (n) */
+    const double *coulomb_speed;  /* (n) v_c of (19) [rad/s] or [m/s] */
+    double gravity[3];            /* in the base frame [m/s^2] */
+} mr_model;
+
+/* One point of the dynamic parameters. */
+typedef struct {
+    const double *mass;          /* (b) [kg] */
+    const double *com;           /* (b, 3) in body axes [m] */
+    const double *inertia;       /* (b, 6) xx xy xz yy yz zz about the COM, body axes [kg m^2] */
+    const double *rotor_inertia; /* (n) motor side [kg m^2] */
+    const double *viscous;       /* (n) joint side [N m s/rad] or [N s/m] */
+    const double *coulomb;       /* (n) joint side [N m] or [N] */
+} mr_parameters;
+
+/* What the controller knows: a nominal point, its box, and the disturbance's box [d]. */
+typedef struct {
+    mr_parameters nominal;
+    mr_parameters lower;
+    mr_parameters upper;
+    const double *disturbance_lo; /* (n) [N m] or [N] */
+    const double *disturbance_hi; /* (n) */
+    const int32_t *uncertain;     /* indices of bodies whose box is not a point, ascending */
+    int32_t uncertain_count;
+} mr_bounds;
+
+/* Number of doubles in one packed parameter point, and its view: mass, com, inertia, rotor
+ * inertia, viscous, coulomb, one after the other. */
+size_t mr_parameters_size(int32_t n, int32_t b);
+mr_parameters mr_parameters_view(int32_t n, int32_t b, const double *packed);
+
+/* Lists the bodies whose box is not a point into uncertain (b); returns how many. */
+int32_t mr_find_uncertain(int32_t b, const mr_parameters *lower, const mr_parameters *upper,
+                          int32_t *uncertain);
+
+/* Number of doubles of working memory that every function below needs. */
+size_t mr_workspace_size(int32_t n, int32_t b);
+
+/* NE*: M(q) ddq_a + C(q, dq) dq_a + g(q), with friction and reflected rotor inertia if drives. */
+mr_status mr_inverse_dynamics(const mr_model *model, const mr_parameters *parameters,
+                              const double *q, const double *dq, const double *dq_a,
+                              const double *ddq_a, int drives, double *workspace, double *tau);
+
+/* Bounds of NE* over the box of parameters, by the exact hull (16) or by Algorithm 1. */
+mr_status mr_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *bounds,
+                                     mr_method method, const double *q, const double *dq,
+                                     const double *dq_a, const double *ddq_a, int drives,
+                                     double *workspace, double *tau_lo, double *tau_hi);
+
+/* The perturbation set [Phi] of (12), drives and [d] included, and the nominal torque u0. */
+mr_status mr_perturbation_bounds(const mr_model *model, const mr_bounds *bounds, mr_method method,
+                                 const double *q, const double *dq, const double *dq_a,
+                                 const double *ddq_a, double *workspace, double *nominal,
+                                 double *phi_lo, double *phi_hi);
+
+/* The same for the two functions of the plant below, mr_workspace_size included. */
+size_t mr_dynamics_workspace_size(int32_t n, int32_t b);
+
+/* Joint-space mass matrix (n, n), with reflected rotor inertia on the diagonal if drives. */
+mr_status mr_mass_matrix(const mr_model *model, const mr_parameters *parameters, const double *q,
+                         int drives, double *workspace, double *M);
+
+/* Acceleration of the plant (22) under the torque tau. */
+mr_status mr_forward_dynamics(const mr_model *model, const mr_parameters *parameters,
+                              const double *q, const double *dq, const double *tau, int drives,
+                              double *workspace, double *ddq);
+
+/* Link frames in the base frame (n). */
+mr_status mr_forward_kinematics(const mr_model *model, const double *q, double *workspace,
+                                mr_transform *frames);
+
+/* Robust control law (3), (4), (7), (8). */
+typedef struct {
+    const double *K_r; /* (n) diagonal [1/s] */
+    double kappa_P, kappa_I, phi_P, phi_I;
+    double epsilon; /* radius within which the integrators rest */
+    mr_law law;
+    mr_method method;
+} mr_gains;
+
+typedef struct {
+    double integral;       /* of f(|q_des - q|) over time */
+    double previous_f;     /* f at the previous command */
+    double previous_time;  /* [s] */
+    int32_t started;       /* 0 before the first command */
+} mr_controller_state;
+
+/* Arrays of n doubles that the caller provides. */
+typedef struct {
+    double *tau;     /* the command: nominal + v */
+    double *nominal; /* u0 */
+    double *v;
+    double *phi_lo;
+    double *phi_hi;
+    double *rho; /* (8) */
+    double rho_norm;
+    double kappa;
+    double phi;
+} mr_command_out;
+
+mr_status mr_command(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
+                     double t, const double *q, const double *dq, const double *q_des,
+                     const double *dq_des, const double *ddq_des, double *workspace,
+                     mr_controller_state *state, mr_command_out *out);
+
+/* Number of doubles of working memory of mr_loop_advance, mr_workspace_size included. */
+size_t mr_loop_workspace_size(int32_t n, int32_t b);
+
+/* The closed loop of controller and plant (22); the command is held for one tick. */
+typedef struct {
+    double dt;          /* tick [s] */
+    int32_t substeps;   /* Runge-Kutta steps a tick */
+    int64_t ticks;      /* ticks done; time = ticks * dt */
+    int64_t violations; /* ticks at which w left [Phi], (23) */
+    double violation_max;
+    double error_last;      /* |q_des - q| at the last tick */
+    double last_outside;    /* last time with error >= epsilon, -1 if never [s] */
+    double error_max_after; /* largest error since then */
+    double rho_sum, rho_max;
+    double *q, *dq;           /* (n) state of the plant */
+    double *tau_previous;     /* (n) */
+    double *tau_max;          /* (n) largest |tau| */
+    double *total_variation;  /* (n) sum of |tau_k - tau_(k-1)| over all ticks */
+} mr_loop;
+
+/* One logged tick: pointers to n doubles each. */
+typedef struct {
+    double *t; /* one double */
+    double *q, *dq, *q_des, *dq_des, *ddq_des, *tau, *w, *phi_lo, *phi_hi, *rho;
+    double *width_hull, *width_ianea, *total_variation;
+} mr_loop_log;
+
+/* Runs `count` ticks on the reference rows (count, n); logs every tick whose number is a multiple
+ * of log_every into rows log_start, log_start + 1, ... of the log arrays and returns in *logged
+ * how many. Stops with MR_DIVERGED at the tick that cannot be computed; all before it stands. */
+mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
+                          const mr_parameters *true_parameters, const double *true_disturbance,
+                          int32_t count, const double *q_des, const double *dq_des,
+                          const double *ddq_des, int32_t log_every, double *workspace,
+                          mr_controller_state *state, mr_loop *loop, mr_loop_log *log,
+                          int32_t *logged);
+
+/* Sine and cosine for |x| <= MR_ANGLE_MAX; the same bits on every platform. */
+void mr_sincos(double x, double *sine, double *cosine);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,169 @@
+/* Mass matrix by composite bodies, and forward dynamics of the plant, (21), (22). */
+#include "mr_internal.h"
+
+/* One composite body about its link frame's origin: m, h = m c, I. */
+typedef struct {
+    double m, h[3], I[6];
+} mr_composite;
+
+#define COMPOSITE_DOUBLES (sizeof(mr_composite) / sizeof(double))
+
+/* out += R S R' for symmetric S */
+static void add_rotated(const double R[9], const double S[6], double out[6]) {
+    const double full[9] = {S[0], S[1], S[2], S[1], S[3], S[4], S[2], S[4], S[5]};
+    double RS[9];
+    mr_multiply(R, full, RS);
+    out[0] += mr_dot(RS, R);
+    out[1] += mr_dot(RS, R + 3);
+    out[2] += mr_dot(RS, R + 6);
+    out[3] += mr_dot(RS + 3, R + 3);
+    out[4] += mr_dot(RS + 3, R + 6);
+    out[5] += mr_dot(RS + 6, R + 6);
+}
+
+/* out += body, whose frame stands at (R, p) in the frame of out. */
+static void add_composite(const mr_composite *body, const double R[9], const double p[3],
+                          mr_composite *out) {
+    double h[3];
+    mr_rotate(R, body->h, h);
+    add_rotated(R, body->I, out->I);
+    const double m = body->m, d = 2.0 * mr_dot(p, h) + m * mr_dot(p, p);
+    out->I[0] += d - 2.0 * p[0] * h[0] - m * p[0] * p[0];
+    out->I[1] -= p[0] * h[1] + h[0] * p[1] + m * p[0] * p[1];
+    out->I[2] -= p[0] * h[2] + h[0] * p[2] + m * p[0] * p[2];
+    out->I[3] += d - 2.0 * p[1] * h[1] - m * p[1] * p[1];
+    out->I[4] -= p[1] * h[2] + h[1] * p[2] + m * p[1] * p[2];
+    out->I[5] += d - 2.0 * p[2] * h[2] - m * p[2] * p[2];
+    out->m += m;
+    mr_add(h, out->h);
+    mr_add_scaled(m, p, out->h);
+}
+
+/* Force and moment about the link frame's origin under unit acceleration of joint i. */
+static void unit_wrench(const mr_model *model, int32_t i, const mr_link *link,
+                        const mr_composite *body, mr_wrench *out) {
+    if (model->joint_type[i] == MR_REVOLUTE) {
+        double v[3];
+        mr_cross(link->z, link->p, v);
+        mr_cross(link->z, body->h, out->f);
+        mr_add_scaled(body->m, v, out->f);
+        mr_symmetric(body->I, link->z, out->n);
+        mr_add_cross(body->h, v, out->n);
+    } else {
+        for (int k = 0; k < 3; ++k) out->f[k] = body->m * link->z[k];
+        mr_cross(body->h, link->z, out->n);
+    }
+}
+
+void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
+                       const mr_link *links, int drives, double *composite, double *M) {
+    const int32_t n = model->n;
+    mr_composite *bodies = (mr_composite *)composite;
+    for (size_t k = 0; k < (size_t)n * COMPOSITE_DOUBLES; ++k) composite[k] = 0.0;
+    for (int32_t b = 0; b < model->b; ++b) {
+        if (model->body_joint[b] < 0) continue;
+        static const double axes[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+        const mr_composite at_com = {parameters->mass[b], {0.0, 0.0, 0.0}, {
+            parameters->inertia[6 * b], parameters->inertia[6 * b + 1],
+            parameters->inertia[6 * b + 2], parameters->inertia[6 * b + 3],
+            parameters->inertia[6 * b + 4], parameters->inertia[6 * b + 5]}};
+        mr_composite body = {0.0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}};
+        add_composite(&at_com, axes, parameters->com + 3 * b, &body);
+        add_composite(&body, model->placement[b].R, model->placement[b].p,
+                      &bodies[model->body_joint[b]]);
+    }
+    for (int32_t i = 0; i < n * n; ++i) M[i] = 0.0;
+
+    for (int32_t i = n - 1; i >= 0; --i) {
+        mr_wrench wrench;
+        unit_wrench(model, i, &links[i], &bodies[i], &wrench);
+        for (int32_t j = i;;) {
+            const mr_link *link = &links[j];
+            const int32_t parent = model->parent[j];
+            double f[3], n_parent[3];
+            mr_add_cross(link->p, wrench.f, wrench.n); /* now about the joint frame's origin */
+            M[i * n + j] = M[j * n + i] =
+                mr_dot(model->joint_type[j] == MR_REVOLUTE ? wrench.n : wrench.f, link->z);
+            if (parent < 0) break;
+            mr_rotate(link->R, wrench.f, f);
+            mr_rotate(link->R, wrench.n, n_parent);
+            mr_add_cross(model->before[j].p, f, n_parent);
+            mr_copy(f, wrench.f);
+            mr_copy(n_parent, wrench.n);
+            j = parent;
+        }
+        if (drives)
+            M[i * n + i] += model->gear_ratio[i] * model->gear_ratio[i] *
+                            parameters->rotor_inertia[i];
+        if (model->parent[i] >= 0) {
+            double p[3];
+            mr_rotate(links[i].R, links[i].p, p);
+            mr_add(model->before[i].p, p);
+            add_composite(&bodies[i], links[i].R, p, &bodies[model->parent[i]]);
+        }
+    }
+}
+
+mr_status mr_cholesky_solve(int32_t n, double *M, double *x) {
+    for (int32_t i = 0; i < n; ++i) {
+        for (int32_t j = 0; j <= i; ++j) {
+            double sum = M[i * n + j];
+            for (int32_t k = 0; k < j; ++k) sum -= M[i * n + k] * M[j * n + k];
+            if (i == j) {
+                if (!(sum > 0.0)) return MR_SINGULAR;
+                M[i * n + i] = sqrt(sum);
+            } else {
+                M[i * n + j] = sum / M[j * n + j];
+            }
+        }
+    }
+    for (int32_t i = 0; i < n; ++i) {
+        for (int32_t k = 0; k < i; ++k) x[i] -= M[i * n + k] * x[k];
+        x[i] /= M[i * n + i];
+    }
+    for (int32_t i = n - 1; i >= 0; --i) {
+        for (int32_t k = i + 1; k < n; ++k) x[i] -= M[k * n + i] * x[k];
+        x[i] /= M[i * n + i];
+    }
+    return MR_OK;
+}
+
+size_t mr_dynamics_workspace_size(int32_t n, int32_t b) {
+    return mr_workspace_size(n, b) + (size_t)n * (COMPOSITE_DOUBLES + (size_t)n);
+}
+
+mr_status mr_mass_matrix(const mr_model *model, const mr_parameters *parameters, const double *q,
+                         int drives, double *workspace, double *M) {
+    mr_workspace ws = mr_workspace_view(model->n, workspace);
+    double *composite = workspace + mr_workspace_size(model->n, model->b);
+    double *result = composite + (size_t)model->n * COMPOSITE_DOUBLES;
+    const mr_status status = mr_check_state(model, q, q, q, q);
+    if (status) return status;
+    for (int32_t i = 0; i < model->n; ++i) mr_joint_geometry(model, i, q[i], &ws.links[i]);
+    mr_composite_mass(model, parameters, ws.links, drives, composite, result);
+    if (mr_check_vector(model->n * model->n, result)) return MR_NOT_FINITE;
+    for (int32_t i = 0; i < model->n * model->n; ++i) M[i] = result[i];
+    return MR_OK;
+}
+
+mr_status mr_forward_dynamics(const mr_model *model, const mr_parameters *parameters,
+                              const double *q, const double *dq, const double *tau, int drives,
+                              double *workspace, double *ddq) {
+    mr_workspace ws = mr_workspace_view(model->n, workspace);
+    double *composite = workspace + mr_workspace_size(model->n, model->b);
+    double *M = composite + (size_t)model->n * COMPOSITE_DOUBLES;
+    double *zero = ws.ddq_a, *x = ws.mid;
+    mr_status status = mr_check_state(model, q, dq, dq, tau);
+    if (status) return status;
+    for (int32_t i = 0; i < model->n; ++i) zero[i] = 0.0;
+    mr_forward_recursion(model, model->gravity, q, dq, dq, zero, ws.links);
+    mr_newton_euler(model, parameters, ws.links, ws.wrench.real, x);
+    if (drives) mr_add_drives(model, parameters, dq, zero, x);
+    for (int32_t i = 0; i < model->n; ++i) x[i] = tau[i] - x[i];
+    mr_composite_mass(model, parameters, ws.links, drives, composite, M);
+    status = mr_cholesky_solve(model->n, M, x);
+    if (status) return status;
+    if (mr_check_vector(model->n, x)) return MR_NOT_FINITE;
+    for (int32_t i = 0; i < model->n; ++i) ddq[i] = x[i];
+    return MR_OK;
+}
