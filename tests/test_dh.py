@@ -1,4 +1,4 @@
-"""The D-H table: forward kinematics to 1e-12 for any serial geometry, flags where axes nearly meet."""
+"""The D-H table: forward kinematics to 1e-12 for any serial chain, flags where axes nearly meet."""
 
 import math
 

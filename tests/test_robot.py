@@ -1,0 +1,259 @@
+"""Robot and Parameters: immutable, exact through JSON, points of the box inside and physical."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.physical import is_physical, least_second_moment
+from modrobust.robot import Bounded, Parameters, Robot
+from modrobust.sampling import box_is_physical, sample_point
+from modrobust.synthetic import synthetic_chain
+
+FIELDS = ("mass", "com", "inertia", "rotor_inertia", "viscous", "coulomb")
+ROD = np.diag([0.1, 0.1, 0.0])  # a thin rod along z: on the boundary of what is physical
+
+
+def one_body(nominal, lower, upper):
+    """Nominal point and bounds of one body with the given tensors, no joints."""
+    zero = np.zeros(0)
+    return tuple(
+        Parameters(np.ones(1), np.zeros((1, 3)), np.array([tensor]), zero, zero, zero)
+        for tensor in (nominal, lower, upper)
+    )
+
+
+def robot_with_drives() -> Robot:
+    base = synthetic_chain(3, uncertainty=0.1)
+
+    def driven(point, scale):
+        return replace(
+            point,
+            rotor_inertia=np.array([1e-5, 0.0, 2e-5]) * scale,
+            viscous=np.array([1.0, 2.0, 3.0]) * scale,
+            coulomb=np.array([0.1, 0.2, 0.3]) * scale,
+        )
+
+    return replace(
+        base,
+        nominal=driven(base.nominal, 1.0),
+        lower=driven(base.lower, 0.9),
+        upper=driven(base.upper, 1.1),
+        gear_ratio=np.array([100.0, 0.0, 50.0]),
+        disturbance=Bounded(np.zeros(3), np.array([-0.1, 0, -1]), np.array([0.1, 0, 2])),
+        velocity_limits=np.array([1.0, np.inf, 3.0]),
+        exact=("link1.body.mass",),
+        not_modelled=("link2.axis.drive",),
+    )
+
+
+def inside(point, robot):
+    return all(
+        np.all(getattr(robot.lower, f) <= getattr(point, f))
+        and np.all(getattr(point, f) <= getattr(robot.upper, f))
+        for f in FIELDS
+    )
+
+
+def test_every_array_of_a_robot_is_a_read_only_copy():
+    gravity = np.array([0.0, 0.0, -9.81])
+    robot = replace(robot_with_drives(), gravity=gravity)
+    gravity[2] = 0.0
+    assert robot.gravity[2] == -9.81
+    for array in (robot.gravity, robot.before, robot.parents, robot.nominal.mass):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
+    with pytest.raises(ValueError, match="read-only"):
+        robot.nominal.packed[0] = 0.0
+
+
+def test_to_dict_comes_back_from_json_bit_for_bit():
+    robot = robot_with_drives()
+    data = robot.to_dict()
+    again = json.loads(json.dumps(data, allow_nan=False))
+    assert again == data
+    for i in range(3):
+        np.testing.assert_array_equal(again["joints"][i]["after"], robot.after[i])
+        np.testing.assert_array_equal(again["bodies"][i]["inertia"]["hi"], robot.upper.inertia[i])
+        assert again["bodies"][i]["mass"]["lo"] == robot.lower.mass[i]
+
+
+def test_to_dict_has_the_pinned_keys_and_null_for_limits_that_are_not_given():
+    data = robot_with_drives().to_dict()
+    assert list(data) == [
+        *("robot", "version", "gravity", "base", "joints", "bodies", "disturbance"),
+        *("dh", "exact", "not_modelled"),
+    ]
+    joint = data["joints"][0]
+    assert list(joint) == [
+        "name",
+        "type",
+        "parent",
+        "before",
+        "after",
+        "limits",
+        "drive",
+        "friction",
+    ]
+    assert joint["limits"] == {"position": None, "velocity": 1.0, "effort": None}
+    assert data["joints"][1]["limits"]["velocity"] is None
+    assert joint["drive"]["rotor_inertia"] == {"nominal": 1e-5, "lo": 9e-6, "hi": 1e-5 * 1.1}
+    assert joint["friction"]["coulomb_speed"] == 1e-3
+    assert [j["parent"] for j in data["joints"]] == [-1, 0, 1]
+    assert list(data["bodies"][0]) == ["name", "joint", "placement", "mass", "com", "inertia"]
+    assert data["disturbance"][2] == {"nominal": 0.0, "lo": -1.0, "hi": 2.0}
+    assert list(data["dh"]["rows"][0]) == ["a", "alpha", "d", "theta", "near_parallel"]
+
+
+def test_branches_have_no_dh_table_in_to_dict():
+    robot = replace(synthetic_chain(3), parents=np.array([-1, 0, 0], dtype=np.int32))
+    assert robot.to_dict()["dh"] is None
+
+
+def test_samples_are_physical_inside_the_box_and_spread_over_it():
+    robot = robot_with_drives()
+    points = [robot.sample_parameters(seed) for seed in range(200)]
+    for point in points:
+        assert inside(point, robot)
+        moments = np.linalg.eigvalsh(point.inertia)
+        assert np.all(moments > 0.0)
+        assert np.all(moments[:, 0] + moments[:, 1] >= moments[:, 2] * (1 - 1e-12))
+    masses = np.array([point.mass for point in points])
+    width = robot.upper.mass - robot.lower.mass
+    assert np.all(np.ptp(masses, axis=0) > 0.9 * width)
+
+
+def test_equal_seeds_give_equal_samples_and_a_generator_moves_on():
+    robot = robot_with_drives()
+    np.testing.assert_array_equal(
+        robot.sample_parameters(7).packed, robot.sample_parameters(np.random.default_rng(7)).packed
+    )
+    rng = np.random.default_rng(7)
+    first, second = robot.sample_parameters(rng), robot.sample_parameters(rng)
+    assert np.any(first.packed != second.packed)
+
+
+def test_exact_parameters_stay_exact_in_samples_and_corners():
+    robot = synthetic_chain(4, uncertainty=0.0)
+    for point in (robot.sample_parameters(1), robot.corner_parameters(1)):
+        np.testing.assert_array_equal(point.packed, robot.nominal.packed)
+
+
+def test_most_of_a_wide_box_being_unphysical_still_gives_physical_samples():
+    nominal, lower, upper = one_body(np.diag([0.1, 0.1, 0.19]), np.eye(3) * 0.01, np.eye(3) * 0.5)
+    rng = np.random.default_rng(0)
+    for _ in range(100):
+        tensor = sample_point(nominal, lower, upper, rng).inertia
+        assert np.all(least_second_moment(tensor) >= -1e-15)
+
+
+def test_a_box_that_touches_the_physical_set_in_one_point_gives_that_point():
+    # The nominal rod with zz only downwards: every other tensor of the box is unphysical.
+    nominal, lower, upper = one_body(ROD, np.diag([0.1, 0.1, -0.05]), ROD)
+    tensor = sample_point(nominal, lower, upper, np.random.default_rng(0)).inertia[0]
+    np.testing.assert_allclose(tensor, ROD, rtol=0, atol=1e-15)
+
+
+def test_a_thin_rod_counts_as_physical_and_a_longer_axis_does_not():
+    assert is_physical(ROD, ROD)
+    assert not is_physical(np.diag([0.1, 0.3, 0.1]), np.eye(3))
+    assert not is_physical(np.diag([0.1, 0.1, -0.01]), np.eye(3))
+
+
+def test_corners_have_every_entry_at_an_end_and_reach_both_ends():
+    robot = robot_with_drives()
+    seen = {name: set() for name in FIELDS}
+    for seed in range(40):
+        point = robot.corner_parameters(seed)
+        for name in FIELDS:
+            value, lo, hi = (getattr(p, name) for p in (point, robot.lower, robot.upper))
+            assert np.all((value == lo) | (value == hi))
+            seen[name].add(bool(value.flat[0] == hi.flat[0]))
+        np.testing.assert_array_equal(point.inertia, np.swapaxes(point.inertia, 1, 2))
+    assert all(ends == {True, False} for ends in seen.values())
+
+
+def test_unphysical_corners_are_pulled_towards_nominal_and_named():
+    robot = synthetic_chain(2, uncertainty=0.1)
+    lower = replace(robot.lower, inertia=np.array([np.diag([1e-3, 1e-3, 4e-3])] * 2))
+    upper = replace(robot.upper, inertia=robot.nominal.inertia + 1e-2 * np.eye(3))
+    robot = replace(robot, lower=lower, upper=upper)
+    point, pulled = robot.physical_corner("lower")
+    assert pulled == ("link1.body", "link2.body")
+    np.testing.assert_array_equal(point.mass, robot.lower.mass)
+    for k in range(2):
+        way = point.inertia[k] - robot.nominal.inertia[k]
+        full = lower.inertia[k] - robot.nominal.inertia[k]
+        share = way[0, 0] / full[0, 0]
+        assert 0.0 < share < 1.0
+        np.testing.assert_allclose(way, share * full, rtol=1e-12, atol=1e-18)
+        assert abs(least_second_moment(point.inertia[k])) < 1e-15  # on the boundary: the last one
+    point, pulled = robot.physical_corner("upper")
+    assert pulled == ()
+    np.testing.assert_array_equal(point.packed, robot.upper.packed)
+
+
+def test_corner_of_a_seed_is_the_same_with_and_without_pulling_when_it_is_physical():
+    robot = synthetic_chain(3, uncertainty=0.01)
+    point, pulled = robot.physical_corner("corner", 5)
+    assert pulled == ()
+    np.testing.assert_array_equal(point.packed, robot.corner_parameters(5).packed)
+
+
+def test_an_unknown_corner_is_refused():
+    with pytest.raises(ValueRangeError) as caught:
+        synthetic_chain(1).physical_corner("middle")
+    assert str(caught.value) == 'which: "middle" is none of lower, upper, corner'
+
+
+def test_a_box_is_physical_when_all_its_vertices_are():
+    sphere = 0.1 * np.eye(3)
+    assert box_is_physical(sphere, sphere - 0.01, sphere + 0.01)
+    assert not box_is_physical(sphere, sphere - 0.04, sphere + 0.06)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"com": np.zeros((1, 3))},
+            "com: expected shape (2, 3), got (1, 3); 2 bodies from mass, 2 joints from "
+            "rotor_inertia",
+        ),
+        (
+            {"viscous": np.zeros(3)},
+            "viscous: expected shape (2,), got (3,); 2 bodies from mass, 2 joints from "
+            "rotor_inertia",
+        ),
+        (
+            {"inertia": np.array([[[1.0, 0.1, 0], [0, 1, 0], [0, 0, 1]]] * 2)},
+            "inertia: found a tensor that is not symmetric; give symmetric ones",
+        ),
+    ],
+)
+def test_parameters_of_unequal_shapes_are_refused(change, message):
+    with pytest.raises(ShapeError) as caught:
+        replace(synthetic_chain(2).nominal, **change)
+    assert str(caught.value) == message
+
+
+def test_parameters_that_are_not_finite_are_refused():
+    with pytest.raises(ValueRangeError) as caught:
+        replace(synthetic_chain(2).nominal, mass=np.array([1.0, math.nan]))
+    assert str(caught.value) == "mass: found an entry that is not finite; give numbers"
+
+
+def test_packed_is_the_kernels_order():
+    point = replace(
+        synthetic_chain(1).nominal,
+        mass=np.array([1.0]),
+        com=np.array([[2.0, 3.0, 4.0]]),
+        inertia=np.array([[[5.0, 6, 7], [6, 8, 9], [7, 9, 10]]]),
+        rotor_inertia=np.array([11.0]),
+        viscous=np.array([12.0]),
+        coulomb=np.array([13.0]),
+    )
+    np.testing.assert_array_equal(point.packed, np.arange(1.0, 14.0))
