@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust.control import BOUNDS, RobustController
+from modrobust.control import RobustController
 from modrobust.dynamics import perturbation_bounds
 from modrobust.errors import ValueRangeError
+from modrobust.kernel import METHODS
 from modrobust.metrics import plain, ratio, time_statistics
 from modrobust.result import SimulationResult
 from modrobust.robot import Robot
@@ -229,7 +230,7 @@ def random_tightness(robot: Robot, states: int = 1000, seed: int = 0) -> Tightne
     speed = np.where(np.isfinite(limit), limit, _RANDOM_SPEED)
     dq, dq_a = rng.uniform(-speed, speed, (2, states, n))
     ddq_a = rng.uniform(-_RANDOM_ACCELERATION, _RANDOM_ACCELERATION, (states, n))
-    widths = {name: np.empty((states, n)) for name in BOUNDS}
+    widths = {name: np.empty((states, n)) for name in METHODS}
     for i in range(states):
         for name, width in widths.items():
             lower, upper = perturbation_bounds(robot, q[i], dq[i], dq_a[i], ddq_a[i], method=name)
@@ -275,7 +276,7 @@ def benchmark(
             _measure(robot, result, repeat, states, seed, duration, show)
             if result.interrupted:
                 return result
-        for bound in BOUNDS:
+        for bound in METHODS:
             if sizes:
                 what = f"growth, {bound}"
                 result.growth.append(growth(bound, sizes, repeat, lambda f, w=what: show(w, f)))
@@ -305,9 +306,9 @@ def _measure(
     result.interrupted = run.interrupted
     if run.interrupted or run.diverged or len(run.t) == 0:
         return
-    for i, bound in enumerate(BOUNDS):
+    for i, bound in enumerate(METHODS):
         own.times.append(replay(run, bound, repeat))
-        show(f"{robot.name}: replay", (i + 1) / len(BOUNDS))
+        show(f"{robot.name}: replay", (i + 1) / len(METHODS))
     own.tightness.append(Tightness("along the trajectory", run.width_hull, run.width_ianea))
     own.tightness.append(random_tightness(robot, states, seed))
     show(f"{robot.name}: tightness", 1.0)

@@ -22,14 +22,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
-from modrobust.arrays import kernel_errors, rows, vector
+from modrobust.arrays import as_array
 from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.kernel import METHODS, status_error
 from modrobust.robot import ControllerSettings, Robot
 
 Array = NDArray[np.float64]
 
 LAWS: Mapping[str, int] = {"norm": 0}
-BOUNDS: Mapping[str, int] = {"hull": _kernel.HULL, "ianea": _kernel.IANEA}
 
 PerJoint = float | Mapping[str, float] | Sequence[float] | Array
 
@@ -104,7 +104,7 @@ class RobustController:
         self.settings = ControllerSettings(
             K_r=_per_joint("K_r", robot, own.K_r if K_r is None else K_r),
             law=_known("law", own.law if law is None else law, LAWS),
-            bound=_known("bound", own.bound if bound is None else bound, BOUNDS),
+            bound=_known("bound", own.bound if bound is None else bound, METHODS),
             kappa_P=gain("kappa_P", kappa_P),
             kappa_I=gain("kappa_I", kappa_I),
             phi_P=gain("phi_P", phi_P),
@@ -141,16 +141,18 @@ class RobustController:
 
         On an error the integrators are as they were: the next command can follow.
         """
-        n = self.robot.n
-        with kernel_errors(self.robot):
+        shape, owner = (self.robot.n,), self._owner
+        try:
             out = self.kernel.command(
                 float(t),
-                vector("q", q, n),
-                vector("dq", dq, n),
-                vector("q_des", q_des, n),
-                vector("dq_des", dq_des, n),
-                vector("ddq_des", ddq_des, n),
+                as_array("q", q, shape, owner),
+                as_array("dq", dq, shape, owner),
+                as_array("q_des", q_des, shape, owner),
+                as_array("dq_des", dq_des, shape, owner),
+                as_array("ddq_des", ddq_des, shape, owner),
             )
+        except _kernel.KernelError as problem:
+            raise status_error(problem) from None
         return Command(*out, rho_norm=self.kernel.rho_norm)
 
     def reset(self) -> None:
@@ -180,17 +182,23 @@ class RobustController:
 
         The controller is reset first; ``t`` is ``(k,)``, the others ``(k, n)``.
         """
-        instants = np.ascontiguousarray(t, dtype=np.float64)
-        shape = (len(instants), self.robot.n)
-        with kernel_errors(self.robot):
+        instants = as_array("t", t, np.shape(t)[:1] or (1,), "one entry a command")
+        shape, owner = (len(instants), self.robot.n), self._owner
+        try:
             return self.kernel.time_commands(
                 instants,
-                rows("q", q, shape),
-                rows("dq", dq, shape),
-                rows("q_des", q_des, shape),
-                rows("dq_des", dq_des, shape),
-                rows("ddq_des", ddq_des, shape),
+                as_array("q", q, shape, owner),
+                as_array("dq", dq, shape, owner),
+                as_array("q_des", q_des, shape, owner),
+                as_array("dq_des", dq_des, shape, owner),
+                as_array("ddq_des", ddq_des, shape, owner),
             )
+        except _kernel.KernelError as problem:
+            raise status_error(problem) from None
+
+    @property
+    def _owner(self) -> str:
+        return f'robot "{self.robot.name}" has {self.robot.n} joints'
 
 
 def _known(name: str, value: str, known: Mapping[str, int]) -> str:
@@ -263,7 +271,7 @@ def make_kernel_controller(robot: Robot, settings: ControllerSettings) -> _kerne
         settings.phi_I,
         settings.epsilon,
         LAWS[settings.law],
-        BOUNDS[settings.bound],
+        METHODS[settings.bound],
     )
 
 

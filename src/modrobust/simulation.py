@@ -188,7 +188,6 @@ def simulate(
     q_start = _start("q0", q0, robot.initial_q if own else None, start[0][0], robot)
     dq_start = _start("dq0", dq0, robot.initial_dq if own else None, start[1][0], robot)
     loop = _kernel.Loop(
-        robot.model,
         controller.kernel,
         truth.parameters.packed,
         truth.disturbance,
