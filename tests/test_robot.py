@@ -243,7 +243,7 @@ def test_parameters_of_unequal_shapes_are_refused(change, message):
 def test_parameters_that_are_not_finite_are_refused():
     with pytest.raises(ValueRangeError) as caught:
         replace(synthetic_chain(2).nominal, mass=np.array([1.0, math.nan]))
-    assert str(caught.value) == "mass: found an entry that is not finite; give numbers"
+    assert str(caught.value) == "mass[1] is nan; every entry must be finite"
 
 
 def test_packed_is_the_kernels_order():

@@ -21,9 +21,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust.catalogue import builtin_robots, did_you_mean
+from modrobust.catalogue import builtin_robots
 from modrobust.errors import FileError
 from modrobust.formats import Assembly, JointItem, Quantity, load_assembly
+from modrobust.formats.structure import did_you_mean
 from modrobust.geometry import inverse
 from modrobust.mounting import EndStep, JointStep, Mounted, SpanStep, mount_chain
 from modrobust.regularity import refuse_singular

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 
 from modrobust.errors import FileError
 from modrobust.formats import Module, Where, load_module
+from modrobust.formats.structure import did_you_mean
 from modrobust.mating import mating_problem
 
 _SUFFIXES = (".yaml", ".yml", ".json")  # where two files have one stem, the first suffix wins
@@ -61,12 +61,6 @@ def mates(modules: Sequence[Module]) -> dict[str, tuple[str, ...]]:
         )
         for below in modules
     }
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """``did you mean "x"? `` with a trailing blank, or nothing where no known name is close."""
-    close = get_close_matches(name, list(known), n=1)
-    return f'did you mean "{close[0]}"? ' if close else ""
 
 
 class Library:

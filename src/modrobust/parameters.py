@@ -8,7 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.arrays import as_array
+from modrobust.errors import ShapeError
 
 Array = NDArray[np.float64]
 
@@ -57,19 +58,10 @@ class Parameters:
     coulomb: Array
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            value = np.asarray(getattr(self, item.name), dtype=np.float64)
-            object.__setattr__(self, item.name, value)
-        b, n = self.mass.size, self.rotor_inertia.size
+        b, n = np.size(self.mass), np.size(self.rotor_inertia)
+        owner = f"{b} bodies from mass, {n} joints from rotor_inertia"
         for name, shape in _shapes(b, n).items():
-            value = getattr(self, name)
-            if value.shape != shape:
-                raise ShapeError(
-                    f"{name}: expected shape {shape}, got {value.shape}; {b} bodies from mass, "
-                    f"{n} joints from rotor_inertia"
-                )
-            if not np.isfinite(value).all():
-                raise ValueRangeError(f"{name}: found an entry that is not finite; give numbers")
+            object.__setattr__(self, name, as_array(name, getattr(self, name), shape, owner))
         if not np.array_equal(self.inertia, np.swapaxes(self.inertia, 1, 2)):
             raise ShapeError("inertia: found a tensor that is not symmetric; give symmetric ones")
         freeze(self)

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from modrobust import _kernel
 from modrobust.formats import Where
 from modrobust.robot import Robot
 
@@ -31,8 +32,6 @@ def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
     Raises:
         DescriptionError: M is singular; the message names the joint.
     """
-    from modrobust import _kernel  # compiled; imported where it is needed
-
     q = np.random.default_rng(_SEED).uniform(-1.0, 1.0, robot.n)  # [rad] or [m]
     M = _kernel.mass_matrix(robot.model, robot.nominal.packed, q, True)
     joint = singular_joint(M)

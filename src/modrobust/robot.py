@@ -10,18 +10,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modrobust import _kernel
 from modrobust.dh import DHTable, dh_table
 from modrobust.errors import ValueRangeError
 from modrobust.parameters import Bounded, Parameters, freeze
 from modrobust.sampling import corner_point, physical_pull, sample_point
-
-if TYPE_CHECKING:
-    from modrobust._kernel import Model
 
 __all__ = [
     "Bounded",
@@ -134,13 +132,11 @@ class Robot:
         return len(self.body_names)
 
     @cached_property
-    def model(self) -> Model:
+    def model(self) -> _kernel.Model:
         """The kernel's view of the geometry, made once.
 
         The kernel works in the base frame, so gravity is turned there: base' g.
         """
-        from modrobust import _kernel  # compiled; a robot can be read and shown without it
-
         return _kernel.Model(
             np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.int32),
             self.parents,

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust.catalogue import did_you_mean
 from modrobust.formats import ListNode, Node, parse_quantity
+from modrobust.formats.structure import did_you_mean
 from modrobust.mounting import JointStep
 from modrobust.robot import Parameters
 
