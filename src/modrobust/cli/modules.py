@@ -2,22 +2,104 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from modrobust.cli.options import Json
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from modrobust.formats import Connector, Module
 
 EXAMPLES = """\b
 Examples:
   modrobust modules
+  modrobust modules my-modules/
   modrobust modules --json
 """
 
 
 def modules(
-    json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    directories: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="DIRECTORY",
+            help="Directories with module files. Default: the built-in catalogue.",
+        ),
+    ] = None,
+    json: Json = False,
 ) -> None:
-    """List the modules of the catalogue with what can be mounted on each."""
-    raise NotImplementedError
+    """List the modules of the catalogue, and what can be mounted on each."""
+    from modrobust.catalogue import catalogue, mates
+    from modrobust.cli.output import print_json
+
+    found = catalogue(directories or None)
+    mounted = mates(found)
+    if json:
+        print_json([_plain(module, mounted[module.id]) for module in found])
+    else:
+        print_modules(found, mounted)
+
+
+def print_modules(found: Sequence[Module], mounted: Mapping[str, Sequence[str]]) -> None:
+    """Print the modules, then who goes onto whom, modules with the same answer together."""
+    from modrobust.cli.output import console, table
+
+    out = console()
+    rows = table("module", "joints", "what it is", left=3)
+    rows.columns[0].no_wrap = True
+    for module in found:
+        rows.add_row(module.id, str(len(_joints(module))), module.name)
+    real = sum(module.product for module in found)
+    rows.title = f"{len(found)} modules, {real} of them products"
+    out.print(rows)
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for module in found:
+        if mounted[module.id]:
+            groups.setdefault(tuple(mounted[module.id]), []).append(module.id)
+    onto = table("on the out of", "goes the in of", left=2)
+    onto.title = "What mates to what"
+    onto.show_lines = True
+    for above, below in groups.items():
+        onto.add_row(", ".join(below), ", ".join(above))
+    out.print(onto)
+
+
+def _plain(module: Module, mounted: Sequence[str]) -> dict[str, Any]:
+    return {
+        "module": module.id,
+        "name": module.name,
+        "product": module.product,
+        "source": list(module.source),
+        "joints": _joints(module),
+        "in": _connector(module.connector_in),
+        "out": _connector(module.connector_out),
+        "mates": list(mounted),
+    }
+
+
+def _joints(module: Module) -> list[dict[str, str]]:
+    from modrobust.formats import JointItem
+
+    return [
+        {"name": item.name, "type": item.type}
+        for item in module.items
+        if isinstance(item, JointItem)
+    ]
+
+
+def _connector(connector: Connector | None) -> dict[str, Any] | None:
+    if connector is None:
+        return None
+    return {
+        "type": connector.type,
+        "size": connector.size,
+        "gender": connector.gender,
+        "clocking": connector.clocking,
+    }
 
 
 command = modules

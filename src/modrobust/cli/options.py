@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
-
-from modrobust.errors import FileError
 
 RobotFile = Annotated[
     str,
@@ -32,16 +29,3 @@ def hertz(text: str | None) -> float | None:
     from modrobust.formats import parse_quantity
 
     return parse_quantity(text, "frequency", field="--control-rate", bounds=False).nominal
-
-
-def with_suffix(path: Path, suffix: str) -> Path:
-    """`path`, which must end in `suffix`.
-
-    Raises:
-        FileError: It ends otherwise.
-    """
-    if path.suffix.lower() != suffix:
-        raise FileError(
-            path, f"has the suffix {path.suffix!r}; a file of this kind ends in {suffix}"
-        )
-    return path

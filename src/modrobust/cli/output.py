@@ -78,14 +78,16 @@ def note(text: str) -> None:
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, suffix: str) -> Iterator[Path]:
     """A temporary file beside `path` that takes its place at the end; no trace on failure.
 
     The temporary file is made at once, so that an unwritable place is known before the work.
 
     Raises:
-        FileError: The place cannot be written.
+        FileError: The place cannot be written, or `path` does not end in `suffix`.
     """
+    if path.suffix.lower() != suffix:
+        raise FileError(path, f'suffix "{path.suffix}"; what is written is {suffix}; name it so')
     target = Path(os.path.realpath(path))  # a link stays a link
     part = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix}")
     try:
