@@ -153,7 +153,8 @@ class RobustController:
             )
         except _kernel.KernelError as problem:
             raise status_error(problem) from None
-        return Command(*out, rho_norm=self.kernel.rho_norm)
+        tau, nominal, v, phi_lo, phi_hi, rho = out
+        return Command(tau, nominal, v, phi_lo, phi_hi, rho, self.kernel.rho_norm)
 
     def reset(self) -> None:
         """Forget time and integrals, as if no command had been given yet."""
@@ -180,7 +181,8 @@ class RobustController:
     ) -> Array:
         """Seconds that each command of a recorded run takes in C, read around the kernel's call.
 
-        The controller is reset first; ``t`` is ``(k,)``, the others ``(k, n)``.
+        The integrators of the replay start at rest and those of this controller stay as they are.
+        ``t`` is ``(k,)``, the others ``(k, n)``.
         """
         instants = as_array("t", t, np.shape(t)[:1] or (1,), "one entry a command")
         shape, owner = (len(instants), self.robot.n), self._owner

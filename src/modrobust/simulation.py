@@ -80,7 +80,8 @@ def true_robot(
         parameters = "random"
     rng = np.random.default_rng(seed)
     d = robot.disturbance
-    drawn, pulled = d.nominal, ()
+    drawn = d.nominal
+    pulled: tuple[str, ...] = ()
     if isinstance(parameters, Parameters):
         point = parameters
         if point.packed.shape != robot.nominal.packed.shape:
@@ -246,9 +247,9 @@ class _Run:
             while done < self.ticks:
                 count = min(size, self.ticks - done)
                 # k dt as the kernel computes it, never a running sum.
-                reference = self.motion.sample(np.arange(done, done + count) * self.dt)
+                q, dq, ddq = self.motion.sample(np.arange(done, done + count) * self.dt)
                 begin = time.perf_counter()
-                log = self.loop.advance(*map(np.ascontiguousarray, reference), self.log_every)
+                log = self.loop.advance(q, dq, ddq, self.log_every)
                 self.chunks.append((log, LoopStatistics.of(self.loop)))
                 if self.loop.status != _kernel.STATUS_OK:
                     return

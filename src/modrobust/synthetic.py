@@ -34,7 +34,7 @@ def synthetic_chain(n: int, uncertainty: float = 0.05) -> Robot:
         ]
     )
     identity = np.tile(np.eye(4), (n, 1, 1))
-    scale = 1.0 / (1.0 + 0.05 * np.arange(n))
+    scale = 1.0 / (1.0 + 0.05 * np.arange(n, dtype=np.float64))
     com = np.tile([-0.02, 0.01, 0.015], (n, 1))  # [m]
     inertia = np.tile(np.diag([2e-3, 3e-3, 4e-3]), (n, 1, 1))  # [kg m^2]
     inertia[:, 0, 1] = inertia[:, 1, 0] = 1e-4

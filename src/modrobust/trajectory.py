@@ -138,7 +138,7 @@ class Quintic:
     @property
     def n(self) -> int:
         """Number of joints."""
-        return self.points.shape[1]
+        return int(self.points.shape[1])
 
     @property
     def end(self) -> float:
@@ -205,7 +205,7 @@ class Splined:
     @property
     def n(self) -> int:
         """Number of joints."""
-        return self.points.shape[1]
+        return int(self.points.shape[1])
 
     @property
     def end(self) -> float:
