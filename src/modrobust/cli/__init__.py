@@ -7,6 +7,7 @@ to stdout, everything else to stderr. A traceback means a bug in modrobust.
 from __future__ import annotations
 
 import sys
+from io import TextIOWrapper
 
 from modrobust.errors import InputError, ModrobustError
 
@@ -15,6 +16,9 @@ def main() -> None:
     """Run the command line; what modrobust raises on purpose ends as one line on stderr."""
     from modrobust.cli.app import app  # late: typer is not needed to import the package
 
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # where a terminal lacks a letter
     try:
         app(prog_name="modrobust")
     except ModrobustError as error:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from modrobust.cli.output import console, number, table
+from modrobust.cli.output import number, show, table
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -19,31 +19,27 @@ if TYPE_CHECKING:
 
 def print_report(report: Report) -> None:
     """Print the report: modules, D-H table, links, joints, remarks."""
-    out = console()
     bodies = sum(len(link.bodies) for link in report.links)
-    out.print(
+    show(
         f"{report.robot}: {len(report.joints)} joints, {bodies} bodies, {_mass(report.total_mass)}",
         style="bold",
-        markup=False,
     )
-    out.print(f"Reach {number(report.reach)} m, the largest of {report.poses} seeded poses.\n")
-    out.print(_modules(report))
-    out.print()
+    show(f"Reach {number(report.reach)} m, the largest of {report.poses} seeded poses.", "")
+    show(_modules(report), "")
     if report.dh is not None:
-        out.print(_dh(report, report.dh))
-        _print_end(out.print, "base", report.dh.base)
-        _print_end(out.print, "tool", report.dh.tool)
-    out.print(_links(report))
-    out.print(_joints(report))
+        show("Standard D-H table, q added to theta (revolute) or d (prismatic)")
+        show(_dh(report, report.dh))
+        show(_end("base", report.dh.base), _end("tool", report.dh.tool), "")
+    show("Links, their masses and bounds", _links(report))
+    show("Joints: limits, largest static gravity torque found (upper end of hull)")
+    show(_joints(report))
     for title, lines in (
         ("Exact, without bounds", report.exact),
         ("Not modelled", report.not_modelled),
         ("Remarks", report.notes),
     ):
         if lines:
-            out.print(f"{title}:", style="bold")
-            for line in lines:
-                out.print(f"  {line}", markup=False)
+            show(f"{title}:", *(f"  {line}" for line in lines))
 
 
 def _mass(mass: Masses) -> str:
@@ -53,23 +49,22 @@ def _mass(mass: Masses) -> str:
 
 
 def _modules(report: Report) -> Tree:
-    from rich.markup import escape
+    from rich.text import Text
     from rich.tree import Tree
 
     def grow(tree: Tree, nodes: Sequence[ModuleNode]) -> None:
         for node in nodes:
             moved = f", moves {', '.join(node.joints)}" if node.joints else ""
             module = "" if node.module == node.instance else f" ({node.module})"
-            grow(tree.add(escape(f"{node.instance}{module}: {node.name}{moved}")), node.children)
+            grow(tree.add(Text(f"{node.instance}{module}: {node.name}{moved}")), node.children)
 
-    tree = Tree(escape(f"Modules of {report.robot}, from the base"))
+    tree = Tree(Text(f"Modules of {report.robot}, from the base"))
     grow(tree, report.modules)
     return tree
 
 
 def _dh(report: Report, dh: DHTable) -> Table:
     rows = table("joint", "a [m]", "alpha [deg]", "d [m]", "theta [deg]", "")
-    rows.title = "Standard D-H table, q added to theta (revolute) or d (prismatic)"
     for joint, row in zip(report.joints, dh.rows, strict=True):
         rows.add_row(
             joint.name,
@@ -82,16 +77,13 @@ def _dh(report: Report, dh: DHTable) -> Table:
     return rows
 
 
-def _print_end(write: object, name: str, transform: Array) -> None:
+def _end(name: str, transform: Array) -> str:
     text = "; ".join(" ".join(number(float(x) + 0.0) for x in row) for row in transform[:3])
-    if callable(write):
-        write(f"{name} [{text}]", markup=False)
+    return f"{name} [{text}]"
 
 
 def _links(report: Report) -> Table:
     rows = table("moves with", "bodies", "mass [kg]", "lowest", "highest", left=2)
-    rows.title = "Links, their masses and bounds"
-    rows.columns[0].overflow = rows.columns[1].overflow = "fold"
     for link in report.links:
         mass = link.mass
         rows.add_row(
@@ -104,8 +96,6 @@ def _links(report: Report) -> Table:
 
 def _joints(report: Report) -> Table:
     rows = table("joint", "", "position", "speed", "limit", "static", "share", left=2)
-    rows.title = "Joints: limits, largest static gravity torque found (upper end of hull)"
-    rows.columns[0].overflow = "fold"
     for joint in report.joints:
         revolute = joint.type == "revolute"
         position = joint.position

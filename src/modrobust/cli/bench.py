@@ -11,6 +11,8 @@ from modrobust.cli.options import Json
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from rich.table import Table
+
 EXAMPLES = """\b
 Examples:
   modrobust bench
@@ -53,20 +55,18 @@ def bench(
 
 def print_benchmark(figures: Mapping[str, Any]) -> None:
     """Print the benchmark as tables."""
-    from modrobust.cli.output import console, number, table, times
+    from modrobust.cli.output import number, show, table, times
 
-    out = console()
     for robot in figures["robots"]:
-        out.print(f"{robot['robot']}: {len(robot['joints'])} joints", style="bold", markup=False)
+        show(f"{robot['robot']}: {len(robot['joints'])} joints", style="bold")
         measured = {}
         for item in robot["times"]:
             measured[f"{item['bound']}, in C"] = item["in_c"]
             measured[f"{item['bound']}, from Python"] = item["in_python"]
         if measured:
-            out.print(times(measured))
+            show(times(measured))
         for item in robot["tightness"]:
             rows = table("joint", "hull", "ianea", "ratio", "median")
-            rows.title = f"Mean width of [Φ], {item['where']}"
             for j, name in enumerate(robot["joints"]):
                 rows.add_row(
                     name,
@@ -75,16 +75,16 @@ def print_benchmark(figures: Mapping[str, Any]) -> None:
                         for key in ("width_hull", "width_ianea", "ratio", "ratio_median")
                     ),
                 )
-            out.print(rows)
+            show(f"Mean width of [Φ], {item['where']}", rows)
     if figures["growth"]:
-        out.print(_growth(figures["growth"]))
+        show("Time per command in C, synthetic chains, every body uncertain")
+        show(_growth(figures["growth"]))
 
 
-def _growth(growth: list[Any]) -> Any:
+def _growth(growth: list[Any]) -> Table:
     from modrobust.cli.output import microseconds, number, table
 
     rows = table("joints", *(item["bound"] for item in growth))
-    rows.title = "Time per command in C, synthetic chains, every body uncertain"
     for k, joints in enumerate(growth[0]["joints"]):
         rows.add_row(
             str(joints),

@@ -46,26 +46,25 @@ def modules(
 
 def print_modules(found: Sequence[Module], mounted: Mapping[str, Sequence[str]]) -> None:
     """Print the modules, then who goes onto whom, modules with the same answer together."""
-    from modrobust.cli.output import console, table
+    from modrobust.cli.output import show, table
 
-    out = console()
     rows = table("module", "joints", "what it is", left=3)
     rows.columns[0].no_wrap = True
     for module in found:
         rows.add_row(module.id, str(len(_joints(module))), module.name)
     real = sum(module.product for module in found)
-    rows.title = f"{len(found)} modules, {real} of them products"
-    out.print(rows)
+    show(f"{len(found)} modules, {real} of them products", style="bold")
+    show(rows)
     groups: dict[tuple[str, ...], list[str]] = {}
     for module in found:
         if mounted[module.id]:
             groups.setdefault(tuple(mounted[module.id]), []).append(module.id)
     onto = table("on the out of", "goes the in of", left=2)
-    onto.title = "What mates to what"
     onto.show_lines = True
     for above, below in groups.items():
         onto.add_row(", ".join(below), ", ".join(above))
-    out.print(onto)
+    show("What mates to what", style="bold")
+    show(onto)
 
 
 def _plain(module: Module, mounted: Sequence[str]) -> dict[str, Any]:

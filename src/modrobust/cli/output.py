@@ -11,33 +11,41 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from modrobust.errors import FileError
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.progress import Progress
     from rich.table import Table
+    from rich.tree import Tree
 
 
-def console() -> Console:
-    """The console of results; no colour when stdout is no terminal or NO_COLOR is set."""
+def show(*results: Table | Tree | str, style: str = "") -> None:
+    """Write results to stdout; no colour when it is no terminal or NO_COLOR is set.
+
+    Texts are taken as they are, without rich's markup. Lines do not end in blanks.
+    """
     from rich.console import Console
 
-    return Console(highlight=False, soft_wrap=False)
+    console = Console(highlight=False, markup=False, emoji=False)
+    with console.capture() as captured:
+        for result in results:
+            console.print(result, style=style)
+    for line in captured.get().splitlines():
+        sys.stdout.write(f"{line.rstrip()}\n")
 
 
-def table(*columns: str, title: str | None = None, left: int = 1) -> Table:
+def table(*columns: str, left: int = 1) -> Table:
     """An empty compact table; all but the first `left` columns hold numbers, to the right."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
+    from rich.text import Text
 
-    empty = Table(
-        title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0)
-    )
+    empty = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), show_header=any(columns))
     for index, column in enumerate(columns):
-        empty.add_column(column, justify="left" if index < left else "right")
+        side: Literal["left", "right"] = "left" if index < left else "right"
+        empty.add_column(Text(column), justify=side, overflow="fold")
     return empty
 
 
@@ -47,8 +55,10 @@ def number(value: float | None) -> str:
 
 
 def microseconds(value: float | None) -> str:
-    """A time [s], shown in microseconds."""
-    return "-" if value is None else f"{value * 1e6:.3g} us"
+    """A time [s], shown in microseconds, or milliseconds from one on."""
+    if value is None:
+        return "-"
+    return f"{value * 1e6:.3g} us" if value < 999.5e-6 else f"{value * 1e3:.3g} ms"
 
 
 def times(measured: Mapping[str, Mapping[str, float | None]]) -> Table:
@@ -57,14 +67,14 @@ def times(measured: Mapping[str, Mapping[str, float | None]]) -> Table:
 
     statistics = ("mean", "max", "std", "p50", "p99")
     rows = table("time per command", *statistics)
-    for label, values in {**measured, "the paper (ianea, 3.5 GHz i7)": PAPER_TIMES}.items():
+    for label, values in {**measured, "paper (ianea, 3.5 GHz i7)": PAPER_TIMES}.items():
         rows.add_row(label, *(microseconds(values.get(key)) for key in statistics))
     return rows
 
 
 def json_text(data: Mapping[str, Any] | list[Any]) -> str:
     """JSON with every number as its shortest text that reads back exactly."""
-    return json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    return json.dumps(data, indent=2, allow_nan=False) + "\n"
 
 
 def print_json(data: Mapping[str, Any] | list[Any]) -> None:

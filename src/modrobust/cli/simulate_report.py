@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from modrobust.cli.output import console, number, table, times
+from modrobust.cli.output import number, show, table, times
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from modrobust.result import SimulationResult
     from modrobust.robot import Robot
 
@@ -16,19 +18,17 @@ def print_run(robot: Robot, result: SimulationResult) -> None:
     """Print what the issue of a run is: bound, error, torques, widths, times, verdict."""
     figures = result.summary()
     settings = figures["settings"]
-    out = console()
-    out.print(_headline(settings), style="bold", markup=False)
-    for line in _notes(settings):
-        out.print(line, markup=False)
-    out.print(_figures(figures, settings))
-    out.print(_joints(robot, figures))
-    out.print(times({f"this run ({settings['bound']})": figures["command_time"]}))
+    show(_headline(settings), style="bold")
+    show(*_notes(settings), _figures(figures, settings))
+    show("Largest torque, mean width of [Φ]", _joints(robot, figures))
+    show(times({f"this run ({settings['bound']}), in C": figures["command_time"]}))
     reasons: Sequence[str] = figures["reasons"]
     if reasons:
-        for reason in reasons:
-            out.print(f"Not good: {reason}", style="bold red", markup=False)
+        show(*(f"Not good: {reason}" for reason in reasons), style="bold red")
     else:
-        out.print("Good: bound kept, error within epsilon for good, torques within limits")
+        show(
+            "Good: bound kept, error within epsilon for good, torques within limits", style="green"
+        )
 
 
 def _headline(settings: Mapping[str, Any]) -> str:
@@ -55,9 +55,8 @@ def _notes(settings: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Any:
+def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Table:
     rows = table("", "", left=2)
-    rows.show_header = False
     entered = figures["epsilon_entered_at"]
     epsilon = f"{settings['epsilon']:g}"
     rows.add_row("violations of the bound", f"{figures['violations']} of {figures['ticks']} ticks")
@@ -82,13 +81,8 @@ def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Any:
     return rows
 
 
-def _joints(robot: Robot, figures: Mapping[str, Any]) -> Any:
-    from rich.table import Column
-
+def _joints(robot: Robot, figures: Mapping[str, Any]) -> Table:
     rows = table("joint", "", "torque", "limit", "[Φ] hull", "[Φ] ianea", "ratio", left=2)
-    first: Column = rows.columns[0]
-    first.overflow = "fold"
-    rows.title = "Largest torque, mean width of [Φ]"
     for j, name in enumerate(robot.joint_names):
         rows.add_row(
             name,
