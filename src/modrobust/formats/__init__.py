@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
 
+from modrobust.formats.assembly import load_assembly
 from modrobust.formats.items import (
     Assembly,
     BodyItem,
@@ -22,26 +21,45 @@ from modrobust.formats.items import (
     Sines,
     Trajectory,
 )
+from modrobust.formats.module import load_module
+from modrobust.formats.naming import instance_names_of
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where
 from modrobust.formats.perjoint import PerJoint
 from modrobust.formats.quantity import Quantity, parse_quantity
+from modrobust.formats.schema import json_schema
 
-
-def load_module(path: str | Path, overrides: Mapping[str, Node] | None = None) -> Module:
-    """The module of a file; `overrides` are the `set:` of the chain entry that mounts it."""
-    raise NotImplementedError
-
-
-def load_assembly(path: str | Path) -> Assembly:
-    """The assembly of a file, without loading its modules."""
-    raise NotImplementedError
+__all__ = [
+    "Assembly",
+    "BodyItem",
+    "Connector",
+    "Controller",
+    "Csv",
+    "FrameItem",
+    "Item",
+    "JointItem",
+    "ListNode",
+    "MapNode",
+    "Module",
+    "NestedItem",
+    "Node",
+    "Payload",
+    "PerJoint",
+    "Quantity",
+    "Quintic",
+    "ScalarNode",
+    "Sines",
+    "Trajectory",
+    "Where",
+    "instance_names",
+    "json_schema",
+    "load_assembly",
+    "load_module",
+    "parse_quantity",
+]
 
 
 def instance_names(items: Sequence[Item]) -> list[str]:
     """Instance names of the nested modules among `items`: `as` or the id, -2, -3 on repeats."""
-    raise NotImplementedError
-
-
-def json_schema(kind: str) -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of "module" or "assembly" files, for editors."""
-    raise NotImplementedError
+    return instance_names_of(
+        (item.module, item.as_name) for item in items if isinstance(item, NestedItem)
+    )

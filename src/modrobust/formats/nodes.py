@@ -52,6 +52,20 @@ class MapNode:
         return self.key_where.get(key, self.where)
 
 
-type_names = {ScalarNode: "a text or number", ListNode: "a list", MapNode: "a mapping"}
-
 Node = ScalarNode | ListNode | MapNode
+
+
+def kind_of(node: Node) -> str:
+    """What a node is, in words for a message."""
+    if isinstance(node, MapNode):
+        return "a mapping"
+    if isinstance(node, ListNode):
+        return "a list"
+    return shown(node.text) if node.text else "nothing"
+
+
+def shown(text: str, limit: int = 60) -> str:
+    """A text in quotes, on one line and not longer than a message can bear."""
+    flat = " ".join(text.split())
+    printable = "".join(c if c.isprintable() else "?" for c in flat)
+    return f'"{printable}"' if len(printable) <= limit else f'"{printable[:limit]}..."'

@@ -1,0 +1,222 @@
+"""Assembly files: from the tree to an `Assembly` in SI units, without its modules."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from modrobust.formats.bodies import read_inertia, read_masses
+from modrobust.formats.fields import check
+from modrobust.formats.inertia import box_body, box_is_physical
+from modrobust.formats.items import (
+    Assembly,
+    Controller,
+    Csv,
+    NestedItem,
+    Payload,
+    Quintic,
+    Sines,
+    Trajectory,
+)
+from modrobust.formats.models import (
+    AssemblyModel,
+    ControllerModel,
+    NestedModel,
+    PayloadModel,
+    QuinticModel,
+    SinesModel,
+    TrajectoryEntry,
+)
+from modrobust.formats.module import ModuleFields, check_kind, check_stem, nested_item
+from modrobust.formats.nodes import ListNode, Node
+from modrobust.formats.perjoint import PerJoint
+from modrobust.formats.quantity import Quantity, parse_point, parse_vector
+from modrobust.formats.reader import read_description
+from modrobust.formats.span import points, pose_matrix
+from modrobust.formats.tolerance import Tolerances
+
+_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
+_ZERO = Quantity(0.0, 0.0, 0.0, bounded=False)
+
+
+def load_assembly(path: str | Path) -> Assembly:
+    """The assembly of a file, checked and in SI units as far as that goes without its modules.
+
+    Args:
+        path: The assembly file.
+
+    Raises:
+        FileError: The file cannot be read.
+        DescriptionError: The file says something that it must not.
+    """
+    root = read_description(path)
+    check_kind(root, "robot", "module", "a module file", "an assembly")
+    model = check(AssemblyModel, root, ModuleFields(root).name)
+    check_stem(root.entries["robot"], model.robot, path, "robot")
+    directory = Path(path).parent
+    notes = list(model.notes or ())
+    base = model.base
+    scenarios = model.scenarios or {}
+    return Assembly(
+        name=model.robot,
+        file=Path(path),
+        modules=_directories(model, directory),
+        base=pose_matrix(base and base.xyz, base and base.rpy, "base"),
+        gravity=(
+            _GRAVITY if model.gravity is None else points(model.gravity, "acceleration", "gravity")
+        ),
+        chain=_chain(model),
+        payload=_payload(model.payload, notes),
+        disturbance=_per_joint(model.disturbance, "disturbance", "effort", bounds=True),
+        controller=_controller(model.controller),
+        trajectory=_trajectory(model.trajectory, directory),
+        initial_q=_per_joint(model.initial and model.initial.q, "initial.q", "position"),
+        initial_dq=_per_joint(model.initial and model.initial.dq, "initial.dq", "velocity"),
+        scenarios={name: dict(scenario.set) for name, scenario in scenarios.items()},
+        where=model.where,
+        source=model.source or (),
+        notes=tuple(notes),
+        scenario_notes={
+            name: " ".join(scenario.notes) for name, scenario in scenarios.items() if scenario.notes
+        },
+    )
+
+
+def _directories(model: AssemblyModel, directory: Path) -> tuple[Path, ...]:
+    found = tuple(directory / text for text in model.modules or ())
+    node = model.node.entries.get("modules")
+    for index, folder in enumerate(found):
+        if not folder.is_dir():
+            place = node.items[index] if isinstance(node, ListNode) else node
+            where = model.where if place is None else place.where
+            raise where.error(
+                "modules",
+                f'no directory "{folder}"; directories are relative to this file; correct it',
+            )
+    return found
+
+
+def _chain(model: AssemblyModel) -> tuple[NestedItem, ...]:
+    node = model.node.entries["chain"]
+    if not model.chain or not isinstance(node, ListNode):
+        raise node.where.error("chain", "an empty list; a robot has at least one module; add one")
+    return tuple(
+        nested_item(entry, f"chain[{index}]")
+        if isinstance(entry, NestedModel)
+        else NestedItem(entry, None, 0.0, {}, node.items[index].where)
+        for index, entry in enumerate(model.chain)
+    )
+
+
+def _payload(model: PayloadModel | None, notes: list[str]) -> Payload | None:
+    if model is None:
+        return None
+    tolerances = Tolerances(None)
+    masses = read_masses(model.mass, model.com, "payload.", tolerances)
+    if model.inertia is not None and model.size is not None:
+        raise model.where.error(
+            "payload", "inertia and size; a payload has one of them; remove the other"
+        )
+    inertia = (_ZERO,) * 6
+    physical = True
+    if model.inertia is not None:
+        inertia, physical = read_inertia(model.inertia, masses, "payload.", tolerances)
+    elif model.size is not None:
+        size = parse_vector(model.size, ("length",), "payload.size")
+        for edge in size:
+            if edge.ends()[0].middle <= 0:
+                raise edge.where.error(
+                    edge.field, "not positive; the edge of a box is above 0; correct it"
+                )
+        entries = box_body(masses.mass, size, model.size.where, "payload.size")
+        xx, xy, xz, yy, yz, zz = (entry.quantity() for entry in entries)
+        inertia = (xx, xy, xz, yy, yz, zz)
+        physical = box_is_physical(inertia)
+    if not physical:
+        notes.append("payload: the bounds of its inertia also hold tensors that no rigid body has")
+    return Payload(
+        at=model.at,
+        mass=masses.bounded_mass,
+        com=masses.bounded_com,
+        inertia=inertia,
+        assumed_point=model.inertia is None and model.size is None,
+        where=model.where,
+    )
+
+
+def _per_joint(
+    node: Node | None, field: str, kind: str, *, bounds: bool = False, positive: bool = False
+) -> PerJoint | None:
+    return None if node is None else PerJoint(node, field, kind, bounds, positive)
+
+
+def _controller(model: ControllerModel | None) -> Controller:
+    if model is None:
+        return Controller()
+    gains = {
+        name: _at_least(getattr(model, name), "number", f"controller.{name}", 0.0)
+        for name in ("kappa_P", "kappa_I", "phi_P", "phi_I")
+    }
+    return Controller(
+        law=model.law,
+        bound=model.bound,
+        K_r=_per_joint(model.K_r, "controller.K_r", "rate", positive=True),
+        epsilon=_above_zero(model.epsilon, ("angle", "length"), "controller.epsilon"),
+        **gains,
+    )
+
+
+def _trajectory(model: TrajectoryEntry | None, directory: Path) -> Trajectory | None:
+    if model is None:
+        return None
+    duration = _above_zero(model.duration, "time", "trajectory.duration")
+    if isinstance(model, SinesModel):
+        if not model.omega:
+            raise model.node.entries["omega"].where.error(
+                "trajectory.omega", "an empty list; sines need a frequency; add one"
+            )
+        omega = tuple(
+            parse_point(node, "angular speed", f"trajectory.omega[{i}]")
+            for i, node in enumerate(model.omega)
+        )
+        return Sines(PerJoint(model.amplitude, "trajectory.amplitude", "position"), omega, duration)
+    if isinstance(model, QuinticModel):
+        return Quintic(_waypoints(model), duration)
+    return Csv(directory / model.file, duration)
+
+
+def _waypoints(model: QuinticModel) -> tuple[tuple[float, PerJoint], ...]:
+    if len(model.points) < 2:
+        raise model.node.entries["points"].where.error(
+            "trajectory.points",
+            f"{len(model.points)} point; a motion has at least two; add one",
+        )
+    waypoints = []
+    last = None
+    for index, point in enumerate(model.points):
+        field = f"trajectory.points[{index}]"
+        at = _at_least(point.at, "time", f"{field}.at", 0.0)
+        if at is None or (last is not None and at <= last):
+            raise point.at.where.error(
+                f"{field}.at", f"{at:g} s after {last:g} s; times increase; order the points"
+            )
+        last = at
+        waypoints.append((at, PerJoint(point.q, f"{field}.q", "position")))
+    return tuple(waypoints)
+
+
+def _at_least(node: Node | None, dimension: str, field: str, least: float) -> float | None:
+    if node is None:
+        return None
+    value = parse_point(node, dimension, field)
+    if value < least:
+        raise node.where.error(field, f"{value:g} is negative; it is at least 0; correct it")
+    return value
+
+
+def _above_zero(node: Node | None, dimensions: str | tuple[str, ...], field: str) -> float | None:
+    if node is None:
+        return None
+    value = parse_point(node, dimensions, field)
+    if value <= 0:
+        raise node.where.error(field, f"{value:g} is not positive; it must be above 0; correct it")
+    return value

@@ -1,0 +1,158 @@
+r"""Inertia tensors of descriptions: moved to the COM exactly, bounded, held against physics.
+
+A tensor is six entries xx, xy, xz, yy, yz, zz [kg m^2]. With c the COM in the frame of the figures,
+
+.. math:: I_{com} = I_{frame} - m (c'c\,1 - c c')
+
+A tensor belongs to a rigid body iff the second moments tr(I)/2 - I are positive semidefinite,
+which says that no principal moment exceeds the sum of the other two.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.formats.exact import Enclosure, nearest
+from modrobust.formats.nodes import Where
+from modrobust.formats.quantity import Quantity, Written
+
+ENTRIES = ("xx", "xy", "xz", "yy", "yz", "zz")
+_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+_TRIANGLE = 1e-9  # relative: flat bodies lie on the boundary, printed figures just beside it
+
+Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
+
+
+def steiner(mass: Fraction, com: Sequence[Fraction]) -> Tensor:
+    """m (c'c 1 - c c'): what a mass away from the reference point adds to the tensor."""
+    square = sum((c * c for c in com), Fraction(0))
+    xx, xy, xz, yy, yz, zz = (
+        mass * ((square if i == j else 0) - com[i] * com[j]) for i, j in _PAIRS
+    )
+    return xx, xy, xz, yy, yz, zz
+
+
+def moved_to_com(
+    entries: Sequence[Written], mass: Written, com: Sequence[Written]
+) -> list[Written]:
+    """Entries about the frame's origin as entries about the COM, at the nominal values.
+
+    Offsets of bounds stay what they are; a per cent becomes one of the moved entry.
+    """
+    shift = steiner(mass.nominal.middle, [c.nominal.middle for c in com])
+    return [
+        entry.moved(entry.nominal.middle - part) for entry, part in zip(entries, shift, strict=True)
+    ]
+
+
+def largest_principal_moment(tensor: Sequence[Fraction]) -> Fraction:
+    """A rational at most a few 1e-16 (relative) above the largest principal moment, never below.
+
+    Diagonal tensors: exact. Others: the eigenvalue in doubles, raised until exact arithmetic
+    confirms that u 1 - I is positive definite.
+    """
+    xx, xy, xz, yy, yz, zz = tensor
+    if xy == xz == yz == 0:
+        return max(xx, yy, zz)
+    moment = Fraction(float(_moments([nearest(entry) for entry in tensor])[-1]))
+    margin = abs(moment) / 2**52
+    while True:
+        bound = moment + margin
+        if positive_definite((bound - xx, -xy, -xz, bound - yy, -yz, bound - zz)):
+            return bound
+        margin *= 2
+
+
+def positive_definite(tensor: Sequence[Fraction]) -> bool:
+    """Whether the leading minors are positive, in exact arithmetic."""
+    xx, xy, xz, yy, yz, zz = tensor
+    minor = xx * yy - xy * xy
+    whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+    return xx > 0 and minor > 0 and whole > 0
+
+
+def check_physical(entries: Sequence[Written], where: Where, field: str, moved: bool) -> None:
+    """Refuse a nominal tensor (about the COM) that no rigid body has.
+
+    Raises:
+        DescriptionError: A moment <= 0, not positive definite, or the triangle inequality broken.
+    """
+    note = " after the move to the COM" if moved else ""
+    remedy = 'check the figures and the reference point ("about")'
+    tensor = [entry.nominal.middle for entry in entries]
+    doubles = [entry.double(value, nearest) for entry, value in zip(entries, tensor, strict=True)]
+    for i, name in ((0, "xx"), (3, "yy"), (5, "zz")):
+        if tensor[i] <= 0:
+            word = "negative" if tensor[i] < 0 else "zero"
+            raise entries[i].where.error(
+                f"{field}.{name}",
+                f"{doubles[i]:.9g} kg m^2{note} is {word}; a moment of inertia must be positive; "
+                f"{remedy}",
+            )
+    moments = _moments(doubles)
+    listed = ", ".join(f"{moment:.6g}" for moment in moments)
+    if not positive_definite(tensor):
+        raise where.error(
+            field,
+            f"principal moments {listed} kg m^2{note}; the nominal tensor must be positive "
+            f"definite; {remedy}",
+        )
+    if moments[2] - moments[1] - moments[0] > _TRIANGLE * moments[2]:
+        raise where.error(
+            field,
+            f"principal moments {listed} kg m^2{note} break the triangle inequality; the largest "
+            f"is at most the sum of the other two; {remedy}",
+        )
+
+
+def box_is_physical(inertia: Sequence[Quantity]) -> bool:
+    """Whether every tensor within the bounds belongs to some rigid body.
+
+    Those tensors form a convex cone, so the 64 corners of the box decide.
+    """
+    corners = np.array(list(itertools.product(*((entry.lo, entry.hi) for entry in inertia))))
+    moments = np.linalg.eigvalsh(_matrices(corners))
+    excess = moments[:, 2] - moments[:, 1] - moments[:, 0]
+    return bool(np.all(excess <= _TRIANGLE * np.abs(moments[:, 2])))
+
+
+def box_body(mass: Written, size: Sequence[Written], where: Where, field: str) -> list[Written]:
+    """Tensor of a homogeneous box with edges `size` about its centre: xx = m (b^2 + c^2) / 12.
+
+    Every entry grows with mass and edges, so the bounds are the values at the bounds.
+    """
+    masses = (mass.nominal, *mass.ends())
+    edges = [(edge.nominal, *edge.ends()) for edge in size]
+    bounded = mass.bounded or any(edge.bounded for edge in size)
+    zero = Enclosure(Fraction(0), Fraction(0))
+    entries = []
+    for i, j in _PAIRS:
+        if i != j:
+            entries.append(Written(zero, None, None, None, where, field))
+            continue
+        nominal, lo, hi = (
+            masses[k].middle
+            * sum(edge[k].middle ** 2 for n, edge in enumerate(edges) if n != i)
+            / 12
+            for k in range(3)
+        )
+        exact = Written(Enclosure(nominal, nominal), None, None, None, where, field)
+        if bounded:
+            exact = exact.between(lo, hi)
+        entries.append(exact)
+    return entries
+
+
+def _moments(entries: Sequence[float]) -> NDArray[np.float64]:
+    """Principal moments in ascending order."""
+    return np.linalg.eigvalsh(_matrices(np.array([entries])))[0]
+
+
+def _matrices(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Six entries a row as symmetric matrices, shape ``(k, 3, 3)``."""
+    return rows[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)

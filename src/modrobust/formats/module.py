@@ -1,0 +1,202 @@
+"""Module files: from the tree to a `Module` in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from modrobust.formats.bodies import read_inertia, read_masses
+from modrobust.formats.fields import check
+from modrobust.formats.items import (
+    BodyItem,
+    Connector,
+    FrameItem,
+    Item,
+    JointItem,
+    Module,
+    NestedItem,
+)
+from modrobust.formats.joints import read_joint
+from modrobust.formats.models import (
+    BodyModel,
+    ChainEntry,
+    ConnectorModel,
+    FrameModel,
+    JointModel,
+    ModuleModel,
+    NestedModel,
+)
+from modrobust.formats.nodes import MapNode, Node, ScalarNode, Where, shown
+from modrobust.formats.overrides import overridden
+from modrobust.formats.quantity import parse_point
+from modrobust.formats.reader import read_description
+from modrobust.formats.span import span_matrix
+from modrobust.formats.tolerance import Tolerances
+
+
+def load_module(path: str | Path, overrides: Mapping[str, Node] | None = None) -> Module:
+    """The module of a file, checked and in SI units.
+
+    Args:
+        path: The module file.
+        overrides: The ``set:`` of the chain entry that mounts it: path inside the module to node.
+
+    Raises:
+        FileError: The file cannot be read.
+        DescriptionError: The file, or an override, says something that it must not.
+    """
+    root = read_description(path)
+    check_kind(root, "module", "robot", "an assembly file", "a module")
+    fields = ModuleFields(root)
+    model = check(ModuleModel, root, fields.name)
+    check_stem(root.entries["module"], model.module, path, "module")
+    if overrides:
+        root = overridden(root, model, overrides)
+        model = check(ModuleModel, root, ModuleFields(root).name)
+    return _resolve(model)
+
+
+def check_kind(root: MapNode, own: str, other: str, found: str, wanted: str) -> None:
+    """Refuse a file of the other kind before its keys are called unknown."""
+    if own not in root.entries and other in root.entries:
+        raise root.place(other).error(
+            other, f'{found}; {wanted} file has "{own}:"; give the other kind of file'
+        )
+
+
+def check_stem(node: Node, name: str, path: str | Path, key: str) -> None:
+    """Refuse a name that is not the file's name without its suffix."""
+    stem = Path(path).stem
+    if name != stem:
+        raise node.where.error(
+            key,
+            f"{shown(name)} in a file named {shown(Path(path).name)}; the name is the file's name "
+            f"without its suffix; write {stem} or rename the file",
+        )
+
+
+class ModuleFields:
+    """Names fields of messages: ("chain", 2, "<body>", "mass") is "body elbow, mass"."""
+
+    def __init__(self, root: MapNode) -> None:
+        self._root = root
+
+    def name(self, location: tuple[int | str, ...]) -> str:
+        """The field of a location in the model."""
+        node: Node | None = self._root
+        field = ""
+        for step in location:
+            if isinstance(step, str) and step.startswith("<"):
+                field = entry_field(node, step[1:-1], field)
+                continue
+            if isinstance(step, int):
+                field += f"[{step}]"
+                node = node.items[step] if hasattr(node, "items") else None
+            else:
+                field += step if not field or field.endswith(", ") else f".{step}"
+                node = node.entries.get(step) if isinstance(node, MapNode) else None
+        return field.removesuffix(", ")
+
+
+def entry_field(node: Node | None, kind: str, field: str) -> str:
+    """``body elbow, `` for a chain entry whose name can be read, else the field as it is."""
+    name = node.entries.get(kind) if isinstance(node, MapNode) else None
+    if isinstance(name, ScalarNode) and kind != "module" and name.text:
+        return f"{kind} {name.text[:80]}, "
+    return field
+
+
+def _resolve(model: ModuleModel) -> Module:
+    tolerances = Tolerances(model.tolerance)
+    notes = list(model.notes or ())
+    items: list[Item] = []
+    names: dict[str, Where] = {}
+    for index, entry in enumerate(model.chain):
+        item = _item(entry, f"chain[{index}]", tolerances, notes)
+        if not isinstance(item, NestedItem):
+            _check_name(item, names)
+        items.append(item)
+    if not items:
+        raise model.node.entries["chain"].where.error(
+            "chain", "an empty list; a module has at least one entry; add a body or a joint"
+        )
+    ends = model.connectors
+    return Module(
+        id=model.module,
+        name=model.name,
+        source=model.source,
+        licence=model.licence,
+        product=model.product is not False,
+        connector_in=_connector(ends and ends.in_, "connectors.in"),
+        connector_out=_connector(ends and ends.out, "connectors.out"),
+        items=tuple(items),
+        unused_tolerances=tolerances.unused,
+        notes=tuple(notes),
+        where=model.where,
+    )
+
+
+def _check_name(item: JointItem | BodyItem | FrameItem, names: dict[str, Where]) -> None:
+    if item.name in names:
+        raise item.where.error(
+            item.name,
+            f"a second entry of this name (first on line {names[item.name].line}); names within "
+            "a module differ; rename one",
+        )
+    names[item.name] = item.where
+
+
+def _item(entry: ChainEntry, field: str, tolerances: Tolerances, notes: list[str]) -> Item:
+    if isinstance(entry, JointModel):
+        return read_joint(entry, f"joint {entry.joint}, ", tolerances)
+    if isinstance(entry, FrameModel):
+        span = span_matrix(entry.span, f"frame {entry.frame}, span")
+        return FrameItem(entry.frame, span, entry.where)
+    if isinstance(entry, NestedModel):
+        return nested_item(entry, field)
+    return _body(entry, tolerances, notes)
+
+
+def _body(entry: BodyModel, tolerances: Tolerances, notes: list[str]) -> BodyItem:
+    prefix = f"body {entry.body}, "
+    masses = read_masses(entry.mass, entry.com, prefix, tolerances)
+    inertia, physical = read_inertia(entry.inertia, masses, prefix, tolerances)
+    if not physical:
+        notes.append(
+            f"body {entry.body}: the bounds of its inertia also hold tensors that no rigid body has"
+        )
+    return BodyItem(
+        name=entry.body,
+        span=span_matrix(entry.span, f"{prefix}span"),
+        at_end=entry.expressed_in == "end",
+        mass=masses.bounded_mass,
+        com=masses.bounded_com,
+        inertia=inertia,
+        where=entry.where,
+    )
+
+
+def nested_item(entry: NestedModel, field: str) -> NestedItem:
+    """A mounted module; its `set:` stays nodes until the module is read."""
+    return NestedItem(
+        module=entry.module,
+        as_name=entry.as_,
+        mount=0.0 if entry.mount is None else parse_point(entry.mount, "angle", f"{field}.mount"),
+        overrides=dict(entry.set or {}),
+        where=entry.where,
+    )
+
+
+def _connector(model: ConnectorModel | None, field: str) -> Connector | None:
+    if model is None:
+        return None
+    clocking = None
+    if model.clocking is not None:
+        clocking = parse_point(model.clocking, "angle", f"{field}.clocking")
+        if clocking <= 0:
+            raise model.clocking.where.error(
+                f"{field}.clocking",
+                f"{clocking:g} rad is not positive; clocking is the step of the allowed mounts; "
+                "write e.g. 90 deg",
+            )
+    return Connector(model.type, model.size, model.gender or "n", clocking, model.where)

@@ -1,0 +1,93 @@
+"""Spans of chain entries as transforms."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.formats.models import DhModel, Giusti2015Model, SpanModel
+from modrobust.formats.nodes import ListNode, Node, kind_of
+from modrobust.formats.quantity import parse_point
+from modrobust.geometry import (
+    dh_modified,
+    dh_standard,
+    from_xyz_rpy,
+    giusti2015,
+    giusti2015_iit,
+)
+
+Array = NDArray[np.float64]
+
+
+def span_matrix(span: SpanModel | None, field: str) -> Array:
+    """The transform (4, 4) from the start to the end of a span; identity for none.
+
+    Raises:
+        DescriptionError: Two ways of writing a span in one, or a number that is not one.
+    """
+    if span is None:
+        return np.eye(4)
+    pose = span.xyz is not None or span.rpy is not None
+    ways = [
+        name
+        for name, given in (
+            ("dh", span.dh is not None),
+            ("giusti2015", span.giusti2015 is not None),
+            ("xyz/rpy", pose),
+        )
+        if given
+    ]
+    if len(ways) > 1:
+        raise span.where.error(
+            field,
+            f"{' and '.join(ways)} in one span; a span is one of dh, giusti2015, xyz/rpy; "
+            "keep one of them",
+        )
+    if span.dh is not None:
+        return _dh(span.dh, f"{field}.dh")
+    if span.giusti2015 is not None:
+        return _giusti(span.giusti2015, f"{field}.giusti2015")
+    return pose_matrix(span.xyz, span.rpy, field)
+
+
+def pose_matrix(xyz: Node | None, rpy: Node | None, field: str) -> Array:
+    """Translation xyz, then Rz(yaw) Ry(pitch) Rx(roll); zeros where not given."""
+    return from_xyz_rpy(
+        points(xyz, "length", f"{field}.xyz") if xyz is not None else (0.0, 0.0, 0.0),
+        points(rpy, "angle", f"{field}.rpy") if rpy is not None else (0.0, 0.0, 0.0),
+    )
+
+
+def points(node: Node, dimension: str, field: str) -> tuple[float, float, float]:
+    """Three numbers without bounds, in SI units."""
+    if not isinstance(node, ListNode) or len(node.items) != 3:
+        found = f"a list of {len(node.items)}" if isinstance(node, ListNode) else kind_of(node)
+        raise node.where.error(field, f"{found}; a vector is a list of three; write [x, y, z]")
+    x, y, z = (parse_point(item, dimension, f"{field}[{i}]") for i, item in enumerate(node.items))
+    return x, y, z
+
+
+def _number(node: Node | None, dimension: str, field: str) -> float:
+    return 0.0 if node is None else parse_point(node, dimension, field)
+
+
+def _dh(row: DhModel, field: str) -> Array:
+    make = dh_standard if row.convention == "standard" else dh_modified
+    return make(
+        a=_number(row.a, "length", f"{field}.a"),
+        alpha=_number(row.alpha, "angle", f"{field}.alpha"),
+        d=_number(row.d, "length", f"{field}.d"),
+        theta=_number(row.theta, "angle", f"{field}.theta"),
+    )
+
+
+def _giusti(row: Giusti2015Model, field: str) -> Array:
+    make = giusti2015 if row.convention == "giusti" else giusti2015_iit
+    return make(
+        p=_number(row.p, "length", f"{field}.p"),
+        delta_in=_number(row.delta_in, "angle", f"{field}.delta_in"),
+        a=_number(row.a, "length", f"{field}.a"),
+        alpha=_number(row.alpha, "angle", f"{field}.alpha"),
+        n=_number(row.n, "length", f"{field}.n"),
+        delta_out=_number(row.delta_out, "angle", f"{field}.delta_out"),
+    )
