@@ -176,3 +176,31 @@ def point_robot(types: str, *, after: Any, mass: Any, com: Any, inertia: Any) ->
         upper=point,
         disturbance=Bounded(nominal=np.zeros(n), lo=np.zeros(n), hi=np.zeros(n)),
     )
+
+
+def merge_bodies(robot: Robot) -> Robot:
+    """The robot with the nominal bodies of each link made one in the link frame, exactly.
+
+    Every link must carry a body. The factorisation C of Algorithm 1 depends on this: see
+    test_bodies_apart_change_the_factorisation_by_a_known_gyroscopic_moment.
+    """
+    p, n = robot.nominal, robot.n
+    mass, com, inertia = np.zeros(n), np.zeros((n, 3)), np.zeros((n, 3, 3))
+    for i in range(n):
+        own = np.flatnonzero(robot.body_joints == i)
+        R, t = robot.placement[own, :3, :3], robot.placement[own, :3, 3]
+        centres = np.einsum("bij,bj->bi", R, p.com[own]) + t
+        mass[i] = p.mass[own].sum()
+        com[i] = p.mass[own] @ centres / mass[i]
+        for m, c, turn, J in zip(p.mass[own], centres - com[i], R, p.inertia[own], strict=True):
+            inertia[i] += turn @ J @ turn.T + m * (c @ c * np.eye(3) - np.outer(c, c))
+    point = replace(p, mass=mass, com=com, inertia=symmetric(inertia))
+    return replace(
+        robot,
+        body_names=tuple(f"link{i}" for i in range(n)),
+        body_joints=np.arange(n),
+        placement=np.tile(np.eye(4), (n, 1, 1)),
+        nominal=point,
+        lower=point,
+        upper=point,
+    )

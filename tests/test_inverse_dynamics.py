@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 import modrobust as mr
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.robot import Parameters, Robot
-from oracle import mass_matrix, newton_euler
-from random_robots import point_robot, random_robot, random_state
+from oracle import link_frames, mass_matrix, newton_euler
+from random_robots import merge_bodies, point_robot, random_robot, random_state
 
 SHAPES = [
     {"simple": True, "n": 6},
@@ -321,6 +321,39 @@ def test_bodies_fixed_to_the_base_add_nothing() -> None:
     state = random_state(rng, 4)
     there = mr.inverse_dynamics(robot, *state)
     np.testing.assert_array_equal(mr.inverse_dynamics(robot, *state, parameters=heavy), there)
+
+
+def test_bodies_apart_change_the_factorisation_by_a_known_gyroscopic_moment() -> None:
+    # apart - merged: on each link the moment -(sum of m d^2) omega_a x omega, d from the joint COM;
+    # it vanishes for dq_a = dq, and x'(Mdot - 2C)x cannot see it
+    rng = np.random.default_rng(22)
+    robot = random_robot(rng, types="rprr", drives=False)
+    assert np.count_nonzero(robot.body_joints >= 2) > 2
+    one = merge_bodies(robot)
+    q, dq, dq_a, ddq_a = random_state(rng, 4)
+    h = 1e-30
+    frames = link_frames(robot, q)
+    jacobians = []  # angular, link frames, (3, n)
+    for i in range(4):
+        columns = []
+        for e in np.eye(4):
+            moved = link_frames(robot, q + 1j * h * e)[i]
+            W = frames[i][:3, :3].T @ (moved[:3, :3].imag / h)
+            columns.append([W[2, 1], W[0, 2], W[1, 0]])
+        jacobians.append(np.array(columns).T)
+    expected = np.zeros(4)
+    for i, J in enumerate(jacobians):
+        own = np.flatnonzero(robot.body_joints == i)
+        T, p = robot.placement[own], robot.nominal
+        centres = np.einsum("bij,bj->bi", T[:, :3, :3], p.com[own]) + T[:, :3, 3]
+        spread = p.mass[own] @ ((centres - one.nominal.com[i]) ** 2).sum(axis=1)
+        expected -= J.T @ (spread * np.cross(J @ dq_a, J @ dq))
+    apart = mr.inverse_dynamics(robot, q, dq, dq_a, ddq_a)
+    difference = apart - mr.inverse_dynamics(one, q, dq, dq_a, ddq_a)
+    assert np.abs(expected).max() > 1e-3
+    np.testing.assert_allclose(difference, expected, rtol=0, atol=1e-12 * np.abs(apart).max())
+    same = mr.inverse_dynamics(robot, q, dq, dq, ddq_a)
+    assert_same(mr.inverse_dynamics(one, q, dq, dq, ddq_a), same)
 
 
 def test_a_branch_does_not_load_its_sibling() -> None:
