@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 def print_report(report: Report) -> None:
     """Print the report: modules, D-H table, links, joints, remarks."""
+    from rich.padding import Padding
+    from rich.text import Text
+
     bodies = sum(len(link.bodies) for link in report.links)
     show(
         f"{report.robot}: {len(report.joints)} joints, {bodies} bodies, {_mass(report.total_mass)}",
@@ -39,7 +42,7 @@ def print_report(report: Report) -> None:
         ("Remarks", report.notes),
     ):
         if lines:
-            show(f"{title}:", *(f"  {line}" for line in lines))
+            show(f"{title}:", *(Padding(Text(line), (0, 0, 0, 2)) for line in lines))
 
 
 def _mass(mass: Masses) -> str:

@@ -19,13 +19,4 @@ def seconds(text: str | None) -> float | None:
         return None
     from modrobust.formats import parse_quantity
 
-    return parse_quantity(text, "time", field="--duration", bounds=False).nominal
-
-
-def hertz(text: str | None) -> float | None:
-    """A rate such as ``50 kHz`` or ``50000``, in hertz."""
-    if text is None:
-        return None
-    from modrobust.formats import parse_quantity
-
-    return parse_quantity(text, "frequency", field="--control-rate", bounds=False).nominal
+    return parse_quantity(text, "time", field="duration", bounds=False).nominal

@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any, Literal
 from modrobust.errors import FileError
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
     from rich.progress import Progress
     from rich.table import Table
-    from rich.tree import Tree
 
 
-def show(*results: Table | Tree | str, style: str = "") -> None:
+def show(*results: RenderableType, style: str = "") -> None:
     """Write results to stdout; no colour when it is no terminal or NO_COLOR is set.
 
     Texts are taken as they are, without rich's markup. Lines do not end in blanks.

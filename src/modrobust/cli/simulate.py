@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from modrobust.cli.options import Json, RobotFile, hertz, seconds
+from modrobust.cli.options import Json, RobotFile, seconds
 
 EXAMPLES = """\b
 Examples:
@@ -49,23 +49,18 @@ def simulate(
         ),
     ] = None,
     control_rate: Annotated[
-        str | None,
-        typer.Option(
-            metavar="RATE",
-            help="Commands a second, e.g. 50kHz (the default); each is held until the next.",
-        ),
-    ] = None,
+        float, typer.Option(metavar="HZ", help="Commands a second; each is held until the next.")
+    ] = 50e3,
     log: Annotated[
         Path | None, typer.Option(metavar="OUT.npz", help="Save the run, sampled at 1 ms.")
     ] = None,
     json: Json = False,
 ) -> None:
     """Simulate the closed loop of a robot whose true parameters the controller does not know."""
-    wanted, rate = seconds(duration), hertz(control_rate)
+    wanted = seconds(duration)
     from modrobust.assembly import load_robot
     from modrobust.cli.output import ProgressBar, note, print_json
     from modrobust.result import check_writable
-    from modrobust.simulation import CONTROL_RATE
     from modrobust.simulation import simulate as run
 
     if log is not None:
@@ -81,7 +76,7 @@ def simulate(
             law=law,
             duration=wanted,
             trajectory=trajectory,
-            control_rate=CONTROL_RATE if rate is None else rate,
+            control_rate=control_rate,
             progress=lambda done, total: bar(done / total),
         )
     if log is not None:
