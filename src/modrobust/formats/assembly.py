@@ -60,7 +60,7 @@ def load_assembly(path: str | Path) -> Assembly:
         name=model.robot,
         file=Path(path),
         modules=_directories(model, directory),
-        base=pose_matrix(base and base.xyz, base and base.rpy, "base"),
+        base=pose_matrix(base.xyz if base else None, base.rpy if base else None, "base"),
         gravity=(
             _GRAVITY if model.gravity is None else points(model.gravity, "acceleration", "gravity")
         ),
@@ -69,8 +69,10 @@ def load_assembly(path: str | Path) -> Assembly:
         disturbance=_per_joint(model.disturbance, "disturbance", "effort", bounds=True),
         controller=_controller(model.controller),
         trajectory=_trajectory(model.trajectory, directory),
-        initial_q=_per_joint(model.initial and model.initial.q, "initial.q", "position"),
-        initial_dq=_per_joint(model.initial and model.initial.dq, "initial.dq", "velocity"),
+        initial_q=_per_joint(model.initial.q if model.initial else None, "initial.q", "position"),
+        initial_dq=_per_joint(
+            model.initial.dq if model.initial else None, "initial.dq", "velocity"
+        ),
         scenarios={name: dict(scenario.set) for name, scenario in scenarios.items()},
         where=model.where,
         source=model.source or (),

@@ -41,17 +41,17 @@ def read_masses(mass: Node, com: Node, prefix: str, tolerances: Tolerances) -> M
         DescriptionError: A mass that is not positive, or whose lower bound is negative.
     """
     written = parse_written(mass, ("mass",), f"{prefix}mass")
-    if written.nominal.middle <= 0:
-        found = f"{written.quantity().nominal:g} kg"
+    nominal = written.quantity().nominal
+    if nominal <= 0:
         raise mass.where.error(
-            f"{prefix}mass", f"{found} is not positive; a body's mass is above 0; correct it"
+            f"{prefix}mass", f"{nominal:g} kg is not positive; a body's mass is above 0; correct it"
         )
     bounded = tolerances.apply("mass", written, "mass")
-    lowest = bounded.ends()[0]
-    if lowest.middle < 0:
+    bounded_mass = bounded.quantity()
+    if bounded_mass.lo < 0:
         raise mass.where.error(
             f"{prefix}mass",
-            f"lower bound {float(lowest.middle):g} kg is negative; a mass is at least 0; "
+            f"lower bound {bounded_mass.lo:g} kg is negative; a mass is at least 0; "
             "narrow the bounds",
         )
     x, y, z = vector = parse_vector(com, ("length",), f"{prefix}com")
@@ -60,7 +60,7 @@ def read_masses(mass: Node, com: Node, prefix: str, tolerances: Tolerances) -> M
         tolerances.apply("com", y, "length").quantity(),
         tolerances.apply("com", z, "length").quantity(),
     )
-    return Masses(written, vector, bounded.quantity(), bounded_com)
+    return Masses(written, vector, bounded_mass, bounded_com)
 
 
 def read_inertia(

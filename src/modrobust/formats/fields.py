@@ -41,7 +41,9 @@ def refuse(where: Where, message: str, urgent: bool = False) -> PydanticCustomEr
 class Part(BaseModel):
     """A mapping with known keys; `node` is what it was read from."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, arbitrary_types_allowed=True, defer_build=True
+    )
     _node: MapNode = PrivateAttr()
 
     @property

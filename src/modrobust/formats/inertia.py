@@ -11,6 +11,7 @@ which says that no principal moment exceeds the sum of the other two.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -54,15 +55,18 @@ def largest_principal_moment(tensor: Sequence[Fraction]) -> Fraction:
     """A rational at most a few 1e-16 (relative) above the largest principal moment, never below.
 
     Diagonal tensors: exact. Others: the eigenvalue in doubles, raised until exact arithmetic
-    confirms that u 1 - I is positive definite.
+    confirms that u 1 - I is positive definite. `tensor` must be positive definite itself.
     """
     xx, xy, xz, yy, yz, zz = tensor
     if xy == xz == yz == 0:
         return max(xx, yy, zz)
-    moment = Fraction(float(_moments([nearest(entry) for entry in tensor])[-1]))
-    margin = abs(moment) / 2**52
+    trace = xx + yy + zz  # an upper bound by itself: all moments are positive
+    computed = float(_moments([nearest(entry) for entry in tensor])[-1])
+    if not math.isfinite(computed):
+        return trace
+    margin = trace / 2**52
     while True:
-        bound = moment + margin
+        bound = Fraction(computed) + margin
         if positive_definite((bound - xx, -xy, -xz, bound - yy, -yz, bound - zz)):
             return bound
         margin *= 2
@@ -150,7 +154,8 @@ def box_body(mass: Written, size: Sequence[Written], where: Where, field: str) -
 
 def _moments(entries: Sequence[float]) -> NDArray[np.float64]:
     """Principal moments in ascending order."""
-    return np.linalg.eigvalsh(_matrices(np.array([entries])))[0]
+    moments: NDArray[np.float64] = np.linalg.eigvalsh(_matrices(np.array([entries])))[0]
+    return moments
 
 
 def _matrices(rows: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -40,10 +40,10 @@ def read_joint(model: JointModel, prefix: str, tolerances: Tolerances) -> JointI
     limits, drive, friction = model.limits, model.drive, model.friction
     field = f"{prefix}drive."
     gear_ratio = _positive(
-        drive and drive.gear_ratio, dimensions["gear_ratio"], f"{field}gear_ratio"
+        drive.gear_ratio if drive else None, dimensions["gear_ratio"], f"{field}gear_ratio"
     )
     rotor_inertia = _parameter(
-        "rotor_inertia", drive and drive.rotor_inertia, "inertia", field, tolerances
+        "rotor_inertia", drive.rotor_inertia if drive else None, "inertia", field, tolerances
     )
     if drive is not None and rotor_inertia is not None and gear_ratio is None:
         raise drive.where.error(
@@ -53,7 +53,9 @@ def read_joint(model: JointModel, prefix: str, tolerances: Tolerances) -> JointI
         )
     field = f"{prefix}friction."
     speed = _positive(
-        friction and friction.coulomb_speed, dimensions["velocity"], f"{field}coulomb_speed"
+        friction.coulomb_speed if friction else None,
+        dimensions["velocity"],
+        f"{field}coulomb_speed",
     )
     return JointItem(
         name=model.joint,
@@ -65,10 +67,18 @@ def read_joint(model: JointModel, prefix: str, tolerances: Tolerances) -> JointI
         gear_ratio=gear_ratio,
         rotor_inertia=rotor_inertia,
         viscous=_parameter(
-            "viscous", friction and friction.viscous, dimensions["viscous"], field, tolerances
+            "viscous",
+            friction.viscous if friction else None,
+            dimensions["viscous"],
+            field,
+            tolerances,
         ),
         coulomb=_parameter(
-            "coulomb", friction and friction.coulomb, dimensions["effort"], field, tolerances
+            "coulomb",
+            friction.coulomb if friction else None,
+            dimensions["effort"],
+            field,
+            tolerances,
         ),
         coulomb_speed=_COULOMB_SPEED if speed is None else speed,
         where=model.where,
@@ -138,10 +148,10 @@ def _parameter(
         return None
     field = f"{prefix}{key}"
     written = tolerances.apply(key, parse_written(node, (dimension,), field), dimension)
-    lowest = written.ends()[0].middle
-    if lowest < 0:
-        what = "lower bound " if written.bounded else ""
+    quantity = written.quantity()
+    if quantity.lo < 0:
+        what = "lower bound " if quantity.bounded else ""
         raise node.where.error(
-            field, f"{what}{float(lowest):g} is negative; it is at least 0; correct it"
+            field, f"{what}{quantity.lo:g} is negative; it is at least 0; correct it"
         )
-    return written.quantity()
+    return quantity

@@ -12,7 +12,6 @@ from modrobust.formats.items import (
     Connector,
     FrameItem,
     Item,
-    JointItem,
     Module,
     NestedItem,
 )
@@ -26,7 +25,8 @@ from modrobust.formats.models import (
     ModuleModel,
     NestedModel,
 )
-from modrobust.formats.nodes import MapNode, Node, ScalarNode, Where, shown
+from modrobust.formats.naming import instance_names_of
+from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, shown
 from modrobust.formats.overrides import overridden
 from modrobust.formats.quantity import parse_point
 from modrobust.formats.reader import read_description
@@ -91,7 +91,7 @@ class ModuleFields:
                 continue
             if isinstance(step, int):
                 field += f"[{step}]"
-                node = node.items[step] if hasattr(node, "items") else None
+                node = node.items[step] if isinstance(node, ListNode) else None
             else:
                 field += step if not field or field.endswith(", ") else f".{step}"
                 node = node.entries.get(step) if isinstance(node, MapNode) else None
@@ -114,8 +114,12 @@ def _resolve(model: ModuleModel) -> Module:
     for index, entry in enumerate(model.chain):
         item = _item(entry, f"chain[{index}]", tolerances, notes)
         if not isinstance(item, NestedItem):
-            _check_name(item, names)
+            _check_name(item.name, item.where, names)
         items.append(item)
+    nested = [item for item in items if isinstance(item, NestedItem)]
+    mounted = [(item.module, item.as_name) for item in nested]
+    for name, item in zip(instance_names_of(mounted), nested, strict=True):
+        _check_name(name, item.where, names)
     if not items:
         raise model.node.entries["chain"].where.error(
             "chain", "an empty list; a module has at least one entry; add a body or a joint"
@@ -127,8 +131,8 @@ def _resolve(model: ModuleModel) -> Module:
         source=model.source,
         licence=model.licence,
         product=model.product is not False,
-        connector_in=_connector(ends and ends.in_, "connectors.in"),
-        connector_out=_connector(ends and ends.out, "connectors.out"),
+        connector_in=_connector(ends.in_ if ends else None, "connectors.in"),
+        connector_out=_connector(ends.out if ends else None, "connectors.out"),
         items=tuple(items),
         unused_tolerances=tolerances.unused,
         notes=tuple(notes),
@@ -136,14 +140,14 @@ def _resolve(model: ModuleModel) -> Module:
     )
 
 
-def _check_name(item: JointItem | BodyItem | FrameItem, names: dict[str, Where]) -> None:
-    if item.name in names:
-        raise item.where.error(
-            item.name,
-            f"a second entry of this name (first on line {names[item.name].line}); names within "
+def _check_name(name: str, where: Where, names: dict[str, Where]) -> None:
+    if name in names:
+        raise where.error(
+            name,
+            f"a second entry of this name (first on line {names[name].line}); names within "
             "a module differ; rename one",
         )
-    names[item.name] = item.where
+    names[name] = where
 
 
 def _item(entry: ChainEntry, field: str, tolerances: Tolerances, notes: list[str]) -> Item:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from modrobust.formats.fields import Part
 from modrobust.formats.models import AssemblyModel, ModuleModel
 
-_MODELS = {"module": ModuleModel, "assembly": AssemblyModel}
+_MODELS: dict[str, type[Part]] = {"module": ModuleModel, "assembly": AssemblyModel}
 
 
 def json_schema(kind: str) -> dict[str, Any]:

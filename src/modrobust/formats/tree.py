@@ -61,6 +61,8 @@ class TreeBuilder:
             top.key = text
             top.key_where[text] = where
             return
+        if not text and top is not None and top.key is not None:
+            where = top.key_where[top.key]  # an empty value "stands" at the next token
         self._add(ScalarNode(text, where))
 
     def start_list(self, where: Where) -> None:
