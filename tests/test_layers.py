@@ -38,6 +38,7 @@ LAYERS = {
     "settings": 3,
     "synthetic": 3,
     "urdf": 3,
+    "describe": 3,
     "dynamics": 3,
     "control": 4,
     "metrics": 4,
@@ -45,7 +46,10 @@ LAYERS = {
     "trajectory": 4,
     "trajectory_file": 4,
     "result": 5,
+    "plants": 5,
     "simulation": 5,
+    "video": 5,
+    "viewer": 5,
     "benchmark": 5,
     "export": 5,
     "": 6,  # the facade, modrobust/__init__.py

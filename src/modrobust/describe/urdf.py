@@ -1,0 +1,172 @@
+"""Robot -> URDF."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.describe.common import (
+    Exported,
+    Names,
+    body_origin,
+    document,
+    joint_origin,
+    listed,
+    number,
+    numbers,
+    point_of,
+    weighs,
+    without_bounds,
+)
+from modrobust.describe.orientation import roll_pitch_yaw
+from modrobust.robot import Parameters, Robot
+
+Array = NDArray[np.float64]
+
+NO_LIMIT = 1e9  # written where URDF demands a limit and none is known [N m, N, rad/s, m/s, m]
+_STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], what readers of URDF assume
+
+
+def urdf_text(robot: Robot, parameters: Parameters | None = None) -> Exported:
+    """The robot as URDF, at one point of its parameters.
+
+    Every joint turns about or slides along z of its frame; a link's frame is that of its joint.
+    Every body stays a body of its own: the first of a link is the link's inertial, further ones are
+    links on fixed joints. The root link is ``world``, so that the mounting of the base is kept.
+    Where the last link's frame ends, a massless link ``<joint>.tip`` stands.
+
+    Args:
+        robot: Any robot, a tree too.
+        parameters: The point to write; the nominal one when None.
+
+    Raises:
+        ShapeError: `parameters` belong to another robot.
+    """
+    point = point_of(robot, parameters)
+    root = ET.Element("robot", name=robot.name)
+    names = Names(robot.body_names)
+    joints = Names(robot.joint_names)
+    world, base = names.new("world"), names.new("base")
+    ET.SubElement(root, "link", name=world)
+    _fixed(root, joints.new("base.mount"), world, base, robot.base)
+    links: dict[int, str] = {-1: base}
+    ET.SubElement(root, "link", name=base)
+    moved: dict[int, list[int]] = {i: [] for i in range(-1, robot.n)}
+    for k, i in enumerate(robot.body_joints):
+        moved[int(i)].append(k)
+    for i in range(robot.n):
+        own = moved[i]
+        links[i] = robot.body_names[own[0]] if own else names.new(f"{robot.joint_names[i]}.link")
+    for i in range(robot.n):
+        _joint(root, robot, point, i, links[int(robot.parents[i])], links[i])
+        link = ET.SubElement(root, "link", name=links[i])
+        if moved[i]:
+            _inertial(link, robot, point, moved[i][0], body_origin(robot, moved[i][0]))
+    for i in range(-1, robot.n):
+        for k in moved[i] if i < 0 else moved[i][1:]:
+            name = robot.body_names[k]
+            _fixed(root, joints.new(f"{name}.fixed"), links[i], name, body_origin(robot, k))
+            _inertial(ET.SubElement(root, "link", name=name), robot, point, k, np.eye(4))
+    for i in sorted(set(range(robot.n)) - set(robot.parents.tolist())):
+        tip = names.new(f"{robot.joint_names[i]}.tip")
+        _fixed(root, joints.new(f"{robot.joint_names[i]}.tip"), links[i], tip, robot.after[i])
+        ET.SubElement(root, "link", name=tip)
+    for i in np.flatnonzero(robot.gear_ratio):
+        _transmission(root, robot, int(i))
+    lost = _lost(robot, point)
+    return Exported(document(root, robot, "URDF", lost), tuple(lost))
+
+
+def _origin(parent: ET.Element, T: Array) -> None:
+    xyz, rpy = numbers(T[:3, 3]), numbers(roll_pitch_yaw(T[:3, :3]))
+    ET.SubElement(parent, "origin", xyz=xyz, rpy=rpy)
+
+
+def _fixed(root: ET.Element, name: str, parent: str, child: str, T: Array) -> None:
+    joint = ET.SubElement(root, "joint", name=name, type="fixed")
+    _origin(joint, T)
+    ET.SubElement(joint, "parent", link=parent)
+    ET.SubElement(joint, "child", link=child)
+
+
+def _joint(
+    root: ET.Element, robot: Robot, point: Parameters, i: int, parent: str, child: str
+) -> None:
+    lo, hi = robot.position_limits[i]
+    endless = not (np.isfinite(lo) and np.isfinite(hi))
+    kind = robot.joint_types[i]
+    joint = ET.SubElement(
+        root,
+        "joint",
+        name=robot.joint_names[i],
+        type="continuous" if endless and kind == "revolute" else kind,
+    )
+    _origin(joint, joint_origin(robot, i))
+    ET.SubElement(joint, "parent", link=parent)
+    ET.SubElement(joint, "child", link=child)
+    ET.SubElement(joint, "axis", xyz="0 0 1")
+    limit = ET.SubElement(joint, "limit")
+    if not (endless and kind == "revolute"):
+        limit.set("lower", number(np.clip(lo, -NO_LIMIT, NO_LIMIT)))
+        limit.set("upper", number(np.clip(hi, -NO_LIMIT, NO_LIMIT)))
+    limit.set("effort", number(min(robot.effort_limits[i], NO_LIMIT)))
+    limit.set("velocity", number(min(robot.velocity_limits[i], NO_LIMIT)))
+    viscous, coulomb = number(point.viscous[i]), number(point.coulomb[i])
+    ET.SubElement(joint, "dynamics", damping=viscous, friction=coulomb)
+
+
+def _inertial(link: ET.Element, robot: Robot, point: Parameters, k: int, T: Array) -> None:
+    """Mass properties of body k whose frame is at T in the link: COM there, axes of the body."""
+    if not weighs(point, k):
+        return
+    at_com = T.copy()
+    at_com[:3, 3] = T[:3, :3] @ point.com[k] + T[:3, 3]
+    inertial = ET.SubElement(link, "inertial")
+    _origin(inertial, at_com)
+    ET.SubElement(inertial, "mass", value=number(point.mass[k]))
+    entries = {
+        f"i{'xyz'[a]}{'xyz'[b]}": number(point.inertia[k, a, b])
+        for a in range(3)
+        for b in range(a, 3)
+    }
+    ET.SubElement(inertial, "inertia", entries)
+
+
+def _transmission(root: ET.Element, robot: Robot, i: int) -> None:
+    name = robot.joint_names[i]
+    transmission = ET.SubElement(root, "transmission", name=f"{name}.transmission")
+    ET.SubElement(transmission, "type").text = "transmission_interface/SimpleTransmission"
+    joint = ET.SubElement(transmission, "joint", name=name)
+    ET.SubElement(joint, "hardwareInterface").text = "hardware_interface/EffortJointInterface"
+    actuator = ET.SubElement(transmission, "actuator", name=f"{name}.motor")
+    ET.SubElement(actuator, "mechanicalReduction").text = number(robot.gear_ratio[i])
+
+
+def _lost(robot: Robot, point: Parameters) -> list[str]:
+    lost = without_bounds(robot)
+    reflected = robot.gear_ratio**2 * point.rotor_inertia > 0.0
+    if reflected.any():
+        lost.append(f"rotor inertia of {listed(robot, reflected)}")
+    if (point.coulomb > 0.0).any():
+        lost.append(
+            f"coulomb_speed of {listed(robot, point.coulomb > 0.0)}: "
+            "the speed within which Coulomb friction is smoothed"
+        )
+    if tuple(robot.gravity) != _STANDARD_GRAVITY:
+        lost.append(f"gravity ({numbers(robot.gravity)}) m/s^2; readers assume (0 0 -9.81)")
+    revolute = np.array([kind == "revolute" for kind in robot.joint_types])
+    finite = np.isfinite(robot.position_limits)
+    half_open = revolute & (finite.sum(axis=1) == 1)
+    if half_open.any():
+        lost.append(f"the one-sided position limit of {listed(robot, half_open)}")
+    missing = (
+        ("position", ~revolute & ~finite.all(axis=1)),
+        ("velocity", ~np.isfinite(robot.velocity_limits)),
+        ("effort", ~np.isfinite(robot.effort_limits)),
+    )
+    for what, where in missing:
+        if where.any():
+            lost.append(f"that {listed(robot, where)} has no {what} limit; {NO_LIMIT:g} is written")
+    return lost
