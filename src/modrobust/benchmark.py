@@ -11,6 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -61,13 +62,13 @@ class ReplayTimes:
         }
 
 
-@dataclass(frozen=True)
+@dataclass
 class Growth:
     """Time of a command [s] against the number of joints, every body uncertain, for one bound."""
 
     bound: str
-    joints: tuple[int, ...]
-    seconds: tuple[float, ...]
+    joints: list[int] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
     """Median over commands, least over repeats."""
 
     @property
@@ -202,14 +203,20 @@ def growth(
     sizes: Sequence[int] = SIZES,
     repeat: int = 3,
     progress: Callable[[float], None] | None = None,
+    into: Growth | None = None,
 ) -> Growth:
-    """Time of a command against the number of joints, every body uncertain."""
-    seconds = []
+    """Time of a command against the number of joints, every body uncertain.
+
+    ``into`` is filled size by size, so that Ctrl-C leaves in it what was measured.
+    """
+    result = Growth(bound) if into is None else into
     for i, n in enumerate(sizes):
-        seconds.append(chain_times(n, bound, repeat))
+        seconds = chain_times(n, bound, repeat)
+        result.joints.append(n)
+        result.seconds.append(seconds)
         if progress is not None:
             progress((i + 1) / len(sizes))
-    return Growth(bound, tuple(sizes), tuple(seconds))
+    return result
 
 
 def random_tightness(robot: Robot, states: int = 1000, seed: int = 0) -> Tightness:
@@ -276,10 +283,10 @@ def benchmark(
             _measure(robot, result, repeat, states, seed, duration, show)
             if result.interrupted:
                 return result
-        for bound in METHODS:
-            if sizes:
-                what = f"growth, {bound}"
-                result.growth.append(growth(bound, sizes, repeat, lambda f, w=what: show(w, f)))
+        for bound in METHODS if sizes else ():
+            shown = partial(show, f"growth, {bound}")
+            result.growth.append(Growth(bound))
+            growth(bound, sizes, repeat, shown, into=result.growth[-1])
     except KeyboardInterrupt:
         result.interrupted = True
     return result

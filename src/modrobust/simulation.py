@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
+from modrobust.arrays import as_array
 from modrobust.control import PerJoint, RobustController, settings_dict
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.metrics import plain
@@ -41,6 +42,7 @@ CONTROL_RATE = 50e3  # [Hz]
 MAX_CONTROL_RATE = 1e7  # [Hz]
 LOG_STEP = 1e-3  # [s]
 MAX_TICKS = 10**10
+MAX_LOGGED = 10**6  # longer runs are logged more coarsely than every millisecond
 _CHUNK_SECONDS = 0.1  # of wall time, between two looks at the keyboard
 
 Progress = Callable[[float, float], None]
@@ -174,6 +176,7 @@ def simulate(
     truth = true_robot(robot, parameters, scenario, seed, disturbance)
     if duration is not None:
         check_duration(duration)
+        _tick_count(duration, control_rate)
     motion = make_trajectory(robot, trajectory, duration)
     if duration is None:
         duration = DEFAULT_DURATION if motion.duration is None else motion.duration
@@ -183,7 +186,7 @@ def simulate(
     if substeps < 1:
         raise ValueRangeError(f"substeps: {substeps}; must be at least 1")
     dt = 1.0 / control_rate
-    log_every = max(1, round(LOG_STEP * control_rate))
+    log_every = max(1, round(LOG_STEP * control_rate), math.ceil(ticks / MAX_LOGGED))
     start = motion.sample([0.0])
     own = trajectory is None
     q_start = _start("q0", q0, robot.initial_q if own else None, start[0][0], robot)
@@ -300,15 +303,7 @@ def _start(
 
 
 def _state(name: str, value: ArrayLike, robot: Robot) -> Array:
-    array = np.array(value, dtype=np.float64)
-    if array.shape != (robot.n,):
-        raise ShapeError(
-            f'{name}: expected shape ({robot.n},), got {array.shape}; robot "{robot.name}" has '
-            f"{robot.n} joints"
-        )
-    if not np.isfinite(array).all():
-        raise ValueRangeError(f"{name}: {array.tolist()}; every number must be finite")
-    return array
+    return as_array(name, value, (robot.n,), f'robot "{robot.name}" has {robot.n} joints')
 
 
 def _choice(parameters: str | Parameters | None, scenario: str | None) -> str:
