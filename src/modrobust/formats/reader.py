@@ -8,6 +8,8 @@ nothing expands; depth, size, length of a line and number of values are bounded 
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from ruamel.yaml import YAML
@@ -15,6 +17,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.events import (
     AliasEvent,
     DocumentStartEvent,
+    Event,
     MappingEndEvent,
     MappingStartEvent,
     ScalarEvent,
@@ -29,6 +32,7 @@ from modrobust.formats.tree import TreeBuilder
 
 MAX_BYTES = 1 << 20
 MAX_LINE = 4096  # of YAML: the scanner takes quadratic time for one endless word
+_CONTROL = re.compile("[\x01-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ufffe\uffff]")
 SUFFIXES = (".yaml", ".yml", ".json")
 
 
@@ -90,6 +94,14 @@ def _missing(path: Path) -> str:
 
 
 def _parse_yaml(text: str, name: str) -> MapNode:
+    control = _CONTROL.search(text)
+    if control:
+        raise DescriptionError(
+            name,
+            text.count("\n", 0, control.start()) + 1,
+            "",
+            f"control character U+{ord(control[0]):04X}; a description is plain text; remove it",
+        )
     for number, line in enumerate(text.splitlines(), 1):
         if len(line) > MAX_LINE:
             raise DescriptionError(
@@ -110,7 +122,7 @@ def _parse_yaml(text: str, name: str) -> MapNode:
             "",
             f"not YAML: {problem}; check indentation, quotes and brackets near this line",
         ) from None
-    except (YAMLError, ValueError, OverflowError) as error:  # chr() of an escape out of range
+    except YAMLError as error:
         problem = " ".join(str(error).split())[:200]
         raise DescriptionError(
             name, None, "", f"not YAML: {problem}; save the description as plain UTF-8 text"
@@ -120,7 +132,7 @@ def _parse_yaml(text: str, name: str) -> MapNode:
 def _build(text: str, name: str) -> MapNode:
     builder = TreeBuilder(name)
     documents = 0
-    for event in YAML(typ="safe", pure=True).parse(text):
+    for event in _events(text, name):
         where = Where(name, event.start_mark.line + 1)
         if isinstance(event, AliasEvent):
             raise builder.refuse(
@@ -159,3 +171,18 @@ def _build(text: str, name: str) -> MapNode:
                     "put it into a file of its own",
                 )
     return builder.root()
+
+
+def _events(text: str, name: str) -> Iterator[Event]:
+    line = 1
+    try:
+        for event in YAML(typ="safe", pure=True).parse(text):
+            line = event.start_mark.line + 1
+            yield event
+    except (ValueError, OverflowError):  # chr() inside the scanner
+        raise DescriptionError(
+            name,
+            line,
+            "",
+            "not YAML: an escape after this line is no Unicode character; correct it",
+        ) from None

@@ -122,7 +122,9 @@ def parse_unit(text: str) -> Unit:
         written = match[3] if match[3] is not None else str(_SUPERSCRIPTS.get(match[4], 1))
         power = sign * int(written)
         if abs(power) > _MAX_POWER:
-            raise UnitError(f'"{text}" has the power {written}; powers go up to {_MAX_POWER}')
+            raise UnitError(
+                f'"{text}" has the power {written}; powers go up to {_MAX_POWER}; correct it'
+            )
         unit = unit.times(_factor(match[2]), power)
         if max(abs(p) for p in (*unit.powers, unit.pi_power)) > 2 * _MAX_POWER:
             raise UnitError(f'"{text}" is no unit of mechanics; check its powers')

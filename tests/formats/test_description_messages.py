@@ -1,0 +1,53 @@
+"""Each kind of bad description ends in one message, byte for byte."""
+
+import pytest
+from assembly_messages import ASSEMBLY_CASES
+from format_samples import ASSEMBLY, MODULE
+from module_messages import MODULE_CASES
+
+from modrobust.errors import DescriptionError
+from modrobust.formats import load_assembly, load_module
+
+
+@pytest.fixture(autouse=True)
+def _in_an_empty_directory(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # the messages name the file as it was given
+
+
+def _ids(cases):
+    return [case[0] for case in cases]
+
+
+@pytest.mark.parametrize(("wrong", "old", "new", "message"), MODULE_CASES, ids=_ids(MODULE_CASES))
+def test_a_module_file_is_refused_for(tmp_path, wrong, old, new, message):
+    assert old in MODULE, wrong
+    (tmp_path / "arm.yaml").write_text(MODULE.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(DescriptionError) as caught:
+        load_module("arm.yaml")
+    assert str(caught.value) == message
+
+
+@pytest.mark.parametrize(
+    ("wrong", "old", "new", "message"), ASSEMBLY_CASES, ids=_ids(ASSEMBLY_CASES)
+)
+def test_an_assembly_file_is_refused_for(tmp_path, wrong, old, new, message):
+    assert old in ASSEMBLY, wrong
+    (tmp_path / "r.yaml").write_text(ASSEMBLY.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(DescriptionError) as caught:
+        load_assembly("r.yaml")
+    assert str(caught.value) == message
+
+
+def test_the_samples_themselves_load(tmp_path):
+    (tmp_path / "arm.yaml").write_text(MODULE, encoding="utf-8")
+    (tmp_path / "r.yaml").write_text(ASSEMBLY, encoding="utf-8")
+    assert load_module("arm.yaml").id == "arm"
+    assert load_assembly("r.yaml").name == "r"
+
+
+def test_the_path_in_a_message_is_the_path_as_given(tmp_path):
+    folder = tmp_path / "parts"
+    folder.mkdir()
+    (folder / "arm.yaml").write_text(MODULE.replace("2 kg", "2 m"), encoding="utf-8")
+    with pytest.raises(DescriptionError, match=r"^parts/\.\./parts/arm\.yaml:18: "):
+        load_module("parts/../parts/arm.yaml")
