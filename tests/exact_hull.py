@@ -8,6 +8,7 @@ used), and the quadratic's range is the best of all 27 faces of the box. Long do
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -52,12 +53,10 @@ def solve(matrix: Any, right: Any) -> Any:
     return x
 
 
-def single_body(robot: Robot, body: int, mass: float, com: Any, inertia: Any) -> Any:
-    """Parameters in which every other body is massless; drives are left out."""
-    b = len(robot.body_joints)
-    point = SimpleNamespace(mass=np.zeros(b), com=np.zeros((b, 3)), inertia=np.zeros((b, 3, 3)))
-    point.mass[body], point.com[body], point.inertia[body] = mass, com, inertia
-    return point
+def alone(robot: Robot, body: int) -> Robot:
+    """The robot with that one body only."""
+    keep = slice(body, body + 1)
+    return replace(robot, body_joints=robot.body_joints[keep], placement=robot.placement[keep])
 
 
 def exact_bounds(
@@ -68,10 +67,11 @@ def exact_bounds(
     zero3, zero33, unit = np.zeros(3), np.zeros((3, 3)), np.eye(3)
     total = Interval(np.zeros(robot.n, dtype=LONG), np.zeros(robot.n, dtype=LONG))
     for body in np.flatnonzero(robot.body_joints >= 0):
+        one = alone(robot, body)
 
-        def torque(mass: float, com: Any, inertia: Any, body: int = body) -> Any:
-            one = single_body(robot, body, mass, com, inertia)
-            return newton_euler(robot, one, q, dq, dq_a, ddq_a)
+        def torque(mass: float, com: Any, inertia: Any, one: Robot = one) -> Any:
+            point = SimpleNamespace(mass=[mass], com=[com], inertia=[inertia])
+            return newton_euler(one, point, q, dq, dq_a, ddq_a)
 
         k = torque(1, zero3, zero33)
         plus = [torque(1, e, zero33) for e in unit]
