@@ -52,7 +52,7 @@ def test_total_mass_is_conserved(load):
         "chain: [oblique, hinge, slide, oblique, tool]\npayload: {mass: 2 kg, com: [0, 0, 0]}\n"
     )
     assert math.fsum(robot.nominal.mass) == pytest.approx(
-        1.2 + 1.7 + 1.5 + 1.2 + 0.5 + 2.0, abs=1e-15
+        1.2 + 1.7 + 1.5 + 1.2 + 0.5 + 2.0, abs=1e-14
     )
 
 
@@ -305,11 +305,15 @@ def test_two_joints_on_one_line_with_nothing_between_are_refused(load):
     assert "joint double.axis: nothing behind it" in message(load, text, {"double": doubled})
 
 
-def test_bounds_that_hold_impossible_tensors_are_reported(load):
-    text = "chain: [{module: hinge, set: {rotor.inertia.xx: 0.001 kg m^2 ± 0.0009 kg m^2}}]\n"
-    assert load(text).notes == (
-        "hinge.rotor: the inertia bounds also hold tensors that no body can have; the guarantee "
-        "covers them too",
+def test_notes_of_the_file_follow_assumptions_and_precede_remarks_of_modules(load):
+    text = (
+        "notes: a test arm\nchain:\n  - {module: hinge, set: {rotor.inertia.xx: 0.001 ± 0.0009}}\n"
+    )
+    payload = "payload: {mass: 1 kg, com: [0, 0, 0]}\n"
+    assert load(text + payload).notes == (
+        "payload: taken as a point mass, since neither its inertia nor its size is given",
+        "a test arm",
+        "hinge: body rotor: the bounds of its inertia also hold tensors that no rigid body has",
     )
     assert load("chain: [hinge]\n").notes == ()
 

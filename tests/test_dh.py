@@ -123,6 +123,11 @@ def test_almost_parallel_axes_are_flagged_and_still_close_to_the_module_frames(a
     assert largest_difference(table, [REVOLUTE] * 2, before, after, rng) < 1e-7
 
 
+def test_almost_parallel_axes_are_flagged_also_where_their_common_normal_is_near():
+    parents, before, after = chain([from_xyz_rpy((1e-3, 2e-3, 0.1), (9e-4, 0.0, 0.0)), np.eye(4)])
+    assert dh_table(parents, before, after).rows[0].near_parallel
+
+
 def test_a_common_normal_far_away_is_flagged():
     parents, before, after = chain([from_xyz_rpy((0.3, 5.0, 0.1), (2e-3, 0.0, 0.0)), np.eye(4)])
     assert dh_table(parents, before, after).rows[0].near_parallel

@@ -80,8 +80,40 @@ def test_a_missing_module_directory_is_refused(load, tmp_path):
     with pytest.raises(DescriptionError) as caught:
         load_robot("other.yaml")
     assert str(caught.value) == (
-        'other.yaml:1: modules: no directory "parts"; give directories with module files'
+        'other.yaml:3: modules: no directory "parts"; directories are relative to this file; '
+        "correct it"
     )
+
+
+def test_remarks_of_a_module_are_told_once_with_who_says_them(load):
+    noted = TOOL_WITH_NOTE
+    robot = load("chain: [hinge, plate, {module: plate, as: other}]\n", {"plate": noted})
+    assert robot.notes == (
+        "plate: made of cardboard",
+        "plate: tolerance without a parameter it applies to: viscous",
+    )
+    bounds = "set: {sheet.inertia.xx: 0.001 kg m^2 ± 0.0009 kg m^2}"
+    robot = load(f"chain: [hinge, plate, {{module: plate, as: other, {bounds}}}]\n")
+    assert robot.notes[-1] == (
+        "other: body sheet: the bounds of its inertia also hold tensors that no rigid body has"
+    )
+
+
+TOOL_WITH_NOTE = """
+modrobust: 1
+module: plate
+name: A plate
+source: generic, not a product
+product: false
+notes: made of cardboard
+tolerance: {viscous: 10%}
+connectors: {in: {type: t}, out: {type: t}}
+chain:
+  - body: sheet
+    mass: 1 kg
+    com: [0, 0, 0]
+    inertia: {xx: 0.001, yy: 0.001, zz: 0.0015}
+"""
 
 
 def compound(name, *inside):

@@ -29,7 +29,6 @@ from modrobust.geometry import inverse
 from modrobust.mounting import EndStep, JointStep, Mounted, SpanStep, mount_chain
 from modrobust.regularity import refuse_singular
 from modrobust.robot import Bounded, Parameters, Robot
-from modrobust.sampling import box_is_physical
 from modrobust.scenarios import scenario_parameters
 from modrobust.settings import controller_settings, per_joint, trajectory_settings
 
@@ -123,11 +122,7 @@ def assemble(description: Assembly) -> Robot:
         controller=controller_settings(description.controller, names, types),
         exact=_exact(bodies, parts.joints),
         not_modelled=_not_modelled(description, parts.joints),
-        notes=(
-            *_payload_notes(description),
-            *mounted.notes,
-            *_box_notes(body_names, nominal, lower, upper),
-        ),
+        notes=(*_payload_notes(description), *description.notes, *mounted.notes),
         scenarios=scenario_parameters(
             description.scenarios, body_names, parts.joints, nominal, lower, upper
         ),
@@ -278,17 +273,6 @@ def _missing(item: JointItem) -> list[str]:
     if len(friction) == 2:
         return [*drive, "friction"]
     return [*drive, *(f"friction.{name}" for name in friction)]
-
-
-def _box_notes(
-    names: Sequence[str], nominal: Parameters, lower: Parameters, upper: Parameters
-) -> list[str]:
-    return [
-        f"{name}: the inertia bounds also hold tensors that no body can have; "
-        "the guarantee covers them too"
-        for k, name in enumerate(names)
-        if not box_is_physical(nominal.inertia[k], lower.inertia[k], upper.inertia[k])
-    ]
 
 
 def _or_infinite(value: float | None) -> float:

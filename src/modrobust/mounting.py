@@ -21,7 +21,6 @@ from modrobust.formats import (
     JointItem,
     Module,
     NestedItem,
-    Where,
     instance_names,
     load_module,
 )
@@ -83,22 +82,25 @@ def mount_chain(assembly: Assembly) -> Mounted:
         DescriptionError: A module is unknown, contains itself, or does not mate where it is put;
             two instances have one name.
     """
-    for directory in assembly.modules:
-        if not directory.is_dir():
-            raise assembly.where.error(
-                "modules", f'no directory "{directory}"; give directories with module files'
-            )
     mounter = _Mounter(Library(assembly.modules))
     nodes = mounter.chain(assembly.chain, prefix="", inside=())
-    return Mounted(tuple(mounter.steps), nodes, tuple(mounter.notes))
+    return Mounted(tuple(mounter.steps), nodes, tuple(mounter.remarks()))
 
 
 class _Mounter:
     def __init__(self, library: Library) -> None:
         self.steps: list[Step] = []
-        self.notes: list[str] = []
         self._library = library
+        self._instances: dict[str, list[str]] = {}  # by module id
+        self._remarks: dict[tuple[str, str], list[str]] = {}  # (module id, text): instances
         self._count = 0
+
+    def remarks(self) -> list[str]:
+        """What the modules remark, once each: under the module's id when all instances say it."""
+        return [
+            f"{module if said_by == self._instances[module] else ', '.join(said_by)}: {text}"
+            for (module, text), said_by in self._remarks.items()
+        ]
 
     def chain(
         self, items: Sequence[Item], prefix: str, inside: tuple[str, ...]
@@ -163,10 +165,13 @@ class _Mounter:
         )
 
     def _remark(self, module: Module, instance: str) -> None:
-        self.notes += [f"{instance}: {note}" for note in module.notes]
+        self._instances.setdefault(module.id, []).append(instance)
+        texts = list(module.notes)
         if module.unused_tolerances:
             keys = ", ".join(module.unused_tolerances)
-            self.notes.append(f"{instance}: tolerance without a parameter it applies to: {keys}")
+            texts.append(f"tolerance without a parameter it applies to: {keys}")
+        for text in texts:
+            self._remarks.setdefault((module.id, text), []).append(instance)
 
 
 def _names(
@@ -176,18 +181,18 @@ def _names(
 
 
 def _unique_names(items: Sequence[Item]) -> list[str]:
-    """Instance names of the nested modules, in order; two of one name are refused."""
+    """Instance names of the nested modules, in order; a name given by ``as`` twice is refused."""
     names = instance_names(items)
     nested = [(index, item) for index, item in enumerate(items) if isinstance(item, NestedItem)]
-    first: dict[str, Where] = {}
     for name, (index, item) in zip(names, nested, strict=True):
-        if name in first:
+        # Numbering repeats is for modules that were not named; a name that was given is meant.
+        if item.as_name is not None and name != item.as_name:
+            _, first = nested[names.index(item.as_name)]
             raise item.where.error(
                 f"chain[{index}]",
-                f'the instance name "{name}" is taken (line {first[name].line}); '
+                f'the instance name "{item.as_name}" is taken (line {first.where.line}); '
                 'names in a chain differ; give this one another with "as:"',
             )
-        first[name] = item.where
     return names
 
 

@@ -99,6 +99,7 @@ def report(robot: Robot, poses: int = POSES, seed: int = SEED) -> Report:
 def exact_groups(robot: Robot) -> tuple[str, ...]:
     """`Robot.exact` with one line for a body, a drive or a friction of which all is exact."""
     exact = dict.fromkeys(robot.exact)
+    whole: list[tuple[str, tuple[str, ...]]]
     whole = [(name, ("mass", "com", "inertia")) for name in robot.body_names]
     whole += [(f"{name}.friction", ("viscous", "coulomb")) for name in robot.joint_names]
     groups: dict[str, str] = {}

@@ -58,13 +58,6 @@ def physical_pull(nominal: Parameters, point: Parameters) -> tuple[Parameters, t
     return replace(point, inertia=inertia), tuple(int(k) for k in bad)
 
 
-def box_is_physical(nominal: Array, lower: Array, upper: Array) -> bool:
-    """Whether every tensor of a box ``(3, 3)`` is physical: its 64 vertices decide (convexity)."""
-    choice = (np.arange(64)[:, None] >> np.arange(6)) & 1
-    vertices = np.where(choice == 1, _six(upper)[None], _six(lower)[None])
-    return bool(is_physical(_symmetric(vertices), nominal).all())
-
-
 def _uniform(lo: Array, hi: Array, rng: np.random.Generator) -> Array:
     # Clipped, since lo + u (hi - lo) can round beyond hi.
     drawn: Array = np.clip(lo + rng.random(lo.shape) * (hi - lo), lo, hi)
