@@ -41,12 +41,17 @@ def overridden(root: MapNode, module: ModuleModel, overrides: Mapping[str, Node]
     entries = list(chain.items) if isinstance(chain, ListNode) else []
     for path, node in overrides.items():
         name, _, rest = path.partition(".")
-        if name not in names or not rest:
-            found = f"no part {shown(name)}" if name not in names else f"{shown(path)} is no field"
+        if name not in names:
             raise node.where.error(
                 f"set.{path}",
-                f'{found} in module "{module.module}"; {did_you_mean(name, names)}'
-                f"known: {', '.join(f'{known}.' for known in names)}",
+                f'no part {shown(name)} in module "{module.module}"; {did_you_mean(name, names)}'
+                f"known: {', '.join(names)}",
+            )
+        if not rest:
+            raise node.where.error(
+                f"set.{path}",
+                f'{shown(name)} is a part of module "{module.module}"; a path names a field of a '
+                f"part; write one such as {name}.mass",
             )
         index = names[name]
         model = module.chain[index]
