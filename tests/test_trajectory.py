@@ -163,6 +163,16 @@ def test_a_motion_up_to_the_limit_itself_is_fine() -> None:
     check_limits(chain(1, position=0.3), Quintic(np.array([0.0, 1.0]), np.array([[0.1], [0.3]])), 5)
 
 
+def test_a_splined_motion_that_starts_at_its_limit_is_fine_and_beyond_it_is_not() -> None:
+    robot = replace(chain(1), position_limits=np.array([[0.0, 0.3]]))
+    t = np.linspace(0.0, 1.0, 101)
+    q = Quintic(np.array([0.0, 1.0]), np.array([[0.0], [0.02]])).sample(t)[0]
+    assert Splined(t, q).sample([1e-3])[0] < 0.0  # what the spline makes of the start
+    check_limits(robot, Splined(t, q), 1.0)
+    with pytest.raises(ValueRangeError, match=r"is at -1.00083e-06 rad at t = 0.001 s"):
+        check_limits(robot, Splined(t, q - 1e-6), 1.0)
+
+
 def write(folder: Path, text: str) -> Path:
     file = folder / "m.csv"
     file.write_text(text)

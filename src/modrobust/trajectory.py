@@ -354,9 +354,9 @@ def check_limits(robot: Robot, trajectory: Trajectory, duration: float) -> None:
 def _refuse(
     robot: Robot, t: Array, value: Array, excess: Array, limits: tuple[Array, Array], what: str
 ) -> None:
-    # A motion up to the limit itself is fine, whatever the rounding of its samples.
-    scale = np.maximum(np.abs(limits[0]), np.abs(limits[1]))
-    over = excess > 1e-9 * np.where(np.isfinite(scale), scale, 0.0)
+    # A motion up to the limit itself is fine, whatever rounding and spline make of it.
+    scale = np.max(np.where(np.isfinite(limits), np.abs(limits), 0.0), axis=0)
+    over = excess > 1e-6 * scale
     if not over.any():
         return
     j = int(np.flatnonzero(over[int(np.argmax(over.any(axis=1)))])[0])
