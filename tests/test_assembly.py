@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from modrobust.assembly import load_robot
 from modrobust.dynamics import forward_kinematics, inverse_dynamics, mass_matrix
-from modrobust.errors import FileError
+from modrobust.errors import DescriptionError, FileError
 from small_modules import Composed, assert_same_robot, message, rotate
 
 
@@ -326,11 +327,42 @@ def test_an_unknown_joint_in_a_mapping_is_refused(load):
 def test_a_robot_that_is_neither_file_nor_built_in_is_refused(load, monkeypatch, tmp_path):
     monkeypatch.setattr("modrobust.catalogue.data_directory", lambda kind: tmp_path)
     load("chain: [hinge]\n")
-    from modrobust.assembly import load_robot
-
     with pytest.raises(FileError) as caught:
         load_robot("amr")
     assert str(caught.value) == (
         'amr: neither a file nor a built-in robot; did you mean "arm"? give a file or one of arm'
     )
     assert load_robot("arm").name == "arm"
+
+
+def test_a_built_in_name_is_not_hidden_by_a_directory_of_that_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lwa4p-paper").mkdir()
+    assert load_robot("lwa4p-paper").n == 6
+
+
+def test_json_says_the_same_with_the_same_keys(load, tmp_path):
+    yaml = load(
+        "chain: [hinge, {module: oblique, mount: 0.2}, hinge]\npayload: {mass: 1, com: [0, 0, 0]}\n"
+    )
+    (tmp_path / "json").mkdir()
+    text = """
+{
+  "modrobust": 1, "robot": "arm", "modules": ["../modules"],
+  "chain": ["hinge", {"module": "oblique", "mount": 0.2}, "hinge"],
+  "payload": {"mass": "1 kg", "com": [0, 0, 0]}
+}
+"""
+    (tmp_path / "json" / "arm.json").write_text(text)
+    assert load_robot("json/arm.json").to_dict() == yaml.to_dict()
+
+
+def test_module_files_are_named_without_detours(load, tmp_path):
+    load("chain: [hinge]\n")
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "modules" / "broken.yaml").write_text("modrobust: 1\nmodule: wrong\n")
+    text = "modrobust: 1\nrobot: arm\nmodules: ../modules\nchain: [broken]\n"
+    (tmp_path / "robots" / "arm.yaml").write_text(text)
+    with pytest.raises(DescriptionError) as caught:
+        load_robot("robots/arm.yaml")
+    assert str(caught.value).startswith("modules/broken.yaml:")

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from modrobust.assembly import load_robot
 from modrobust.dh import dh_forward, dh_table, joint_frames_tip
 from modrobust.geometry import (
     dh_standard,
@@ -53,6 +54,30 @@ def test_a_chain_described_by_a_table_gives_that_table_back():
         assert not row.near_parallel
     np.testing.assert_allclose(table.base, np.eye(4), atol=1e-15)
     np.testing.assert_allclose(table.tool, np.eye(4), atol=1e-15)
+
+
+def test_the_modules_of_the_real_lwa4p_give_its_published_table():
+    table = load_robot("lwa4p").dh
+    for row, expected in zip(table.rows, LWA4P, strict=True):
+        assert (row.a, row.alpha, row.d, row.theta) == pytest.approx(expected, abs=1e-15)
+    np.testing.assert_allclose(table.base, np.eye(4), atol=1e-15)
+    np.testing.assert_allclose(table.tool, np.eye(4), atol=1e-15)
+
+
+# Table I of Giusti and Althoff 2017, rows a [m], alpha [rad], d [m], theta [rad].
+TABLE_I = [
+    (0.0, -math.pi / 2, 0.0, 0.0),
+    (0.35, math.pi, 0.0, -math.pi / 2),
+    (0.0, -math.pi / 2, 0.0, -math.pi / 2),
+    (0.0, math.pi / 2, 0.301, 0.0),
+    (0.0, -math.pi / 2, 0.0, 0.0),
+    (0.0, 0.0, 0.095, 0.0),
+]
+
+
+def test_the_modules_of_the_paper_give_table_i():
+    for row, expected in zip(load_robot("lwa4p-paper").dh.rows, TABLE_I, strict=True):
+        assert (row.a, row.alpha, row.d, row.theta) == pytest.approx(expected, abs=1e-15)
 
 
 def test_a_negative_a_of_a_table_is_kept():

@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+from modrobust.assembly import load_robot
+from modrobust.catalogue import builtin_robots, catalogue, mates
+from modrobust.errors import DescriptionError, FileError
 from small_modules import message
 
 
@@ -74,9 +77,6 @@ def test_an_unknown_module_is_refused_with_those_known(load, monkeypatch, tmp_pa
 
 def test_a_missing_module_directory_is_refused(load, tmp_path):
     (tmp_path / "other.yaml").write_text("modrobust: 1\nrobot: other\nmodules: parts\nchain: [a]\n")
-    from modrobust.assembly import load_robot
-    from modrobust.errors import DescriptionError
-
     with pytest.raises(DescriptionError) as caught:
         load_robot("other.yaml")
     assert str(caught.value) == (
@@ -210,3 +210,36 @@ def test_two_instances_of_one_name_are_refused(load):
         'arm.yaml:7: chain[2]: the instance name "a" is taken (line 5); names in a chain differ; '
         'give this one another with "as:"'
     )
+
+
+def test_a_module_beside_the_robot_comes_before_a_built_in_one_of_its_name(load):
+    own = TOOL_WITH_NOTE.replace("module: plate", "module: schunk-gripper")
+    robot = load("chain: [hinge, schunk-gripper]\n", {"schunk-gripper": own})
+    assert robot.body_names[-1] == "schunk-gripper.sheet"
+
+
+def test_the_catalogue_of_a_directory_is_sorted_and_says_what_mates(load):
+    load("chain: [hinge]\n", {"plug": plug("plug", "{type: t}", "{type: v, gender: m}")})
+    found = catalogue(["modules"])
+    assert [module.id for module in found] == ["hinge", "oblique", "plug", "slide", "tool"]
+    everything = ("hinge", "oblique", "plug", "slide", "tool")
+    assert mates(found) == {
+        "hinge": everything,
+        "oblique": everything,
+        "plug": (),
+        "slide": everything,
+        "tool": (),
+    }
+
+
+def test_the_catalogue_of_no_directory_is_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(FileError) as caught:
+        catalogue(["none"])
+    assert str(caught.value) == "none: no such directory; give a directory with module files"
+
+
+def test_built_in_robots_are_found_by_name():
+    robots = builtin_robots()
+    assert "lwa4p-paper" in robots
+    assert all(path.is_file() for path in robots.values())

@@ -91,3 +91,12 @@ def test_a_wrong_unit_in_a_scenario_is_refused(load):
     assert message(load, scenario("hinge.rotor.mass: 0.7 m")).startswith(
         "arm.yaml:16: scenarios.heavy.set.hinge.rotor.mass: "
     )
+
+
+def test_a_scenario_with_an_impossible_tensor_is_remarked(load):
+    text = """
+chain: [{module: hinge, set: {rotor.inertia.xx: 0.001 ± 0.0009}}]
+scenarios: {thin: {set: {hinge.rotor.inertia.xx: 1e-4}}}
+"""
+    robot = load(text)
+    assert robot.notes[0] == "scenario thin: hinge.rotor has a tensor that no rigid body has"

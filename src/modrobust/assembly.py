@@ -13,7 +13,7 @@ its ``before``; bodies there belong to the base (joint -1) with placement S_1 ..
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import reduce
 from pathlib import Path
@@ -27,6 +27,7 @@ from modrobust.formats import Assembly, JointItem, Quantity, load_assembly
 from modrobust.formats.structure import did_you_mean
 from modrobust.geometry import inverse
 from modrobust.mounting import EndStep, JointStep, Mounted, SpanStep, mount_chain
+from modrobust.physical import is_physical
 from modrobust.regularity import refuse_singular
 from modrobust.robot import Bounded, Parameters, Robot
 from modrobust.scenarios import scenario_parameters
@@ -55,7 +56,7 @@ def load_robot(path_or_name: str | Path) -> Robot:
 def _file_of(path_or_name: str | Path) -> Path:
     path = Path(path_or_name)
     # Only a bare word is a name: "arm.yaml" or "robots/arm" stay files, found or not.
-    if path.exists() or path.suffix or len(path.parts) != 1:
+    if path.is_file() or path.suffix or len(path.parts) != 1:
         return path
     robots = builtin_robots()
     if path.name in robots:
@@ -86,14 +87,17 @@ def assemble(description: Assembly) -> Robot:
         _parameters(bodies, parts.joints, end) for end in ("nominal", "lo", "hi")
     )
     names = tuple(step.name for step in parts.joints)
+    body_names = tuple(body.name for body in bodies)
     items = [step.item for step in parts.joints]
     types = tuple(item.type for item in items)
     n = len(names)
     before = np.tile(np.eye(4), (n, 1, 1))
     before[0] = _product(parts.spans[0])
     disturbance = per_joint(description.disturbance, names, types) or [_ZERO] * n
+    scenarios = scenario_parameters(
+        description.scenarios, body_names, parts.joints, nominal, lower, upper
+    )
     limits = [(-np.inf, np.inf) if item.position is None else item.position for item in items]
-    body_names = tuple(body.name for body in bodies)
     robot = Robot(
         name=description.name,
         gravity=np.array(description.gravity),
@@ -122,10 +126,13 @@ def assemble(description: Assembly) -> Robot:
         controller=controller_settings(description.controller, names, types),
         exact=_exact(bodies, parts.joints),
         not_modelled=_not_modelled(description, parts.joints),
-        notes=(*_payload_notes(description), *description.notes, *mounted.notes),
-        scenarios=scenario_parameters(
-            description.scenarios, body_names, parts.joints, nominal, lower, upper
+        notes=(
+            *_payload_notes(description),
+            *_scenario_notes(scenarios, body_names, nominal),
+            *description.notes,
+            *mounted.notes,
         ),
+        scenarios=scenarios,
         trajectory=trajectory_settings(description.trajectory, names, types),
         initial_q=_vector(per_joint(description.initial_q, names, types)),
         initial_dq=_vector(per_joint(description.initial_dq, names, types)),
@@ -219,6 +226,19 @@ def _payload_notes(description: Assembly) -> tuple[str, ...]:
     if payload is None or not payload.assumed_point:
         return ()
     return ("payload: taken as a point mass, since neither its inertia nor its size is given",)
+
+
+def _scenario_notes(
+    scenarios: Mapping[str, Parameters], body_names: Sequence[str], nominal: Parameters
+) -> list[str]:
+    return [
+        f"scenario {name}: {body} has a tensor that no rigid body has"
+        for name, point in scenarios.items()
+        for body, physical in zip(
+            body_names, is_physical(point.inertia, nominal.inertia), strict=True
+        )
+        if not physical
+    ]
 
 
 def _parameters(bodies: Sequence[_Body], joints: Sequence[JointStep], end: str) -> Parameters:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,6 +94,7 @@ class _Mounter:
         self._library = library
         self._instances: dict[str, list[str]] = {}  # by module id
         self._remarks: dict[tuple[str, str], list[str]] = {}  # (module id, text): instances
+        self._loaded: dict[Path, Module] = {}  # as their files say them
         self._count = 0
 
     def remarks(self) -> list[str]:
@@ -145,7 +147,12 @@ class _Mounter:
                 f"more than {_MOST_INSTANCES} modules in all; a robot has fewer; "
                 "nest fewer compound modules",
             )
-        return load_module(self._library.path(item.module, item.where, field), item.overrides)
+        path = self._library.path(item.module, item.where, field)
+        if item.overrides:
+            return load_module(path, item.overrides)
+        if path not in self._loaded:  # reading is most of the time of assembling
+            self._loaded[path] = load_module(path)
+        return self._loaded[path]
 
     def _mount(
         self, module: Module, item: NestedItem, instance: str, inside: tuple[str, ...]
