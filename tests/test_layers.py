@@ -18,6 +18,7 @@ PACKAGE = Path(__file__).parents[1] / "src" / "modrobust"
 LAYERS = {
     "errors": 0,
     "arrays": 0,
+    "files": 0,
     "names": 0,
     "_kernel": 1,
     "kernel": 1,

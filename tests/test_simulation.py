@@ -347,7 +347,7 @@ def test_a_log_that_cannot_be_written_is_refused_and_nothing_is_left(
     (tmp_path / "dir.npz").mkdir()
     with pytest.raises(FileError, match=r"is a directory; give the name of a file in it"):
         check_writable(tmp_path / "dir.npz")
-    with pytest.raises(FileError, match=r'suffix ".txt"; a log is an .npz file; name it so'):
+    with pytest.raises(FileError, match=r'suffix ".txt"; a log ends in .npz; name it so'):
         check_writable(tmp_path / "run.txt")
     check_writable(tmp_path / "run.npz")
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,13 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust import _kernel
+from modrobust import _kernel, files
 from modrobust.control import RobustController
-from modrobust.errors import FileError, ModrobustError
+from modrobust.errors import ModrobustError
+from modrobust.files import replacing
 from modrobust.metrics import CHATTERING_LIMIT, chattering, plain, ratio, time_statistics
 from modrobust.robot import ControllerSettings, Parameters, Robot
 
 Array = NDArray[np.float64]
+
+_LOG_FILE = (".npz", "a log")
 
 LOGGED = (
     *("t", "q", "dq", "q_des", "dq_des", "ddq_des", "tau", "w", "phi_lo", "phi_hi", "rho"),
@@ -212,25 +213,14 @@ class SimulationResult:
         Raises:
             FileError: The file cannot be written; one that was there is as it was.
         """
-        check_writable(path)
-        target = Path(path)
-        arrays = {name: getattr(self, name) for name in LOGGED}
-        handle, temporary = tempfile.mkstemp(".part", f".{target.name}.", target.parent)
-        try:
-            with os.fdopen(handle, "wb") as stream:
-                np.savez_compressed(
-                    stream,
-                    **arrays,
-                    true_parameters=self.parameters.packed,
-                    settings=np.array(json.dumps(self.settings)),
-                    summary=np.array(json.dumps(self.summary())),
-                )
-            os.chmod(temporary, 0o666 & ~_umask())
-            os.replace(temporary, target)
-        except OSError as error:
-            raise FileError(path, f"cannot be written: {error.strerror}") from None
-        finally:
-            Path(temporary).unlink(missing_ok=True)
+        with replacing(path, *_LOG_FILE) as part:
+            np.savez_compressed(
+                part,
+                **{name: getattr(self, name) for name in LOGGED},
+                true_parameters=self.parameters.packed,
+                settings=np.array(json.dumps(self.settings)),
+                summary=np.array(json.dumps(self.summary())),
+            )
 
 
 def check_writable(path: str | Path) -> None:
@@ -239,24 +229,4 @@ def check_writable(path: str | Path) -> None:
     Raises:
         FileError: The suffix is not ``.npz``, or the place is a directory, missing or read-only.
     """
-    target = Path(path)
-    if target.suffix != ".npz":
-        raise FileError(path, f'suffix "{target.suffix}"; a log is an .npz file; name it so')
-    if target.is_dir():
-        raise FileError(path, "is a directory; give the name of a file in it")
-    if not target.parent.is_dir():
-        raise FileError(path, f"no directory {target.parent}; make it first")
-    try:
-        handle, temporary = tempfile.mkstemp(".part", f".{target.name}.", target.parent)
-    except OSError as error:
-        raise FileError(
-            path, f"cannot be written: {error.strerror}; choose another place"
-        ) from None
-    os.close(handle)
-    os.unlink(temporary)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    files.check_writable(path, *_LOG_FILE)

@@ -30,12 +30,13 @@ def assemble(
     Modules, standard D-H table, masses with their bounds, reach, static torques, what is exact.
     """
     from modrobust.assembly import load_robot
-    from modrobust.cli.output import json_text, print_json, replacing
+    from modrobust.cli.output import json_text, print_json
+    from modrobust.files import replacing
 
     if output is None:
         robot = load_robot(file)
     else:
-        with replacing(output, ".json") as part:
+        with replacing(output, ".json", "a resolved robot") as part:
             robot = load_robot(file)
             part.write_text(json_text(robot.to_dict()), encoding="utf-8")
     if json:

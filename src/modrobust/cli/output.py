@@ -1,19 +1,12 @@
-"""Where results go: tables and JSON on stdout, progress on stderr, files whole or not at all."""
+"""Where results go: tables and JSON on stdout, the rest on stderr."""
 
 from __future__ import annotations
 
 import json
-import os
-import secrets
-import stat
 import sys
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
-
-from modrobust.errors import FileError
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -85,40 +78,6 @@ def print_json(data: Mapping[str, Any] | list[Any]) -> None:
 def note(text: str) -> None:
     """Say something that is not a result."""
     sys.stderr.write(f"{text}\n")
-
-
-@contextmanager
-def replacing(path: Path, suffix: str) -> Iterator[Path]:
-    """A temporary file beside `path` that takes its place at the end; no trace on failure.
-
-    The temporary file is made at once, so that an unwritable place is known before the work.
-
-    Raises:
-        FileError: The place cannot be written, or `path` does not end in `suffix`.
-    """
-    if path.suffix.lower() != suffix:
-        raise FileError(path, f'suffix "{path.suffix}"; what is written is {suffix}; name it so')
-    target = Path(os.path.realpath(path))  # a link stays a link
-    part = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix}")
-    try:
-        if target.exists() and not stat.S_ISREG(target.stat().st_mode):
-            raise FileError(path, "is not a regular file; give the name of a file to write")
-        if target.exists() and not os.access(target, os.W_OK):
-            raise PermissionError(None, "Permission denied")
-        os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
-    except OSError as error:
-        reason = (error.strerror or "unknown reason").lower()
-        raise FileError(
-            path, f"cannot be written: {reason}; give a file in an existing, writable folder"
-        ) from None
-    try:
-        yield part
-        os.replace(part, target)
-    except OSError as error:
-        reason = (error.strerror or "unknown reason").lower()
-        raise FileError(path, f"cannot be written: {reason}; nothing was left there") from None
-    finally:
-        part.unlink(missing_ok=True)
 
 
 class ProgressBar:

@@ -1,0 +1,80 @@
+"""Files are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from modrobust.errors import FileError
+from modrobust.files import check_writable, replacing
+
+KIND = (".json", "a report")
+
+
+def test_a_file_takes_its_place_only_at_the_end(tmp_path: Path) -> None:
+    file = tmp_path / "a.json"
+    file.write_text("old")
+    with replacing(file, *KIND) as part:
+        part.write_text("new")
+        assert file.read_text() == "old"
+    assert file.read_text() == "new"
+    assert os.listdir(tmp_path) == ["a.json"]
+
+
+def test_a_failure_leaves_what_was_there_and_nothing_else(tmp_path: Path) -> None:
+    file = tmp_path / "a.json"
+    file.write_text("old")
+
+    def fail_half_way() -> None:
+        with replacing(file, *KIND) as part:
+            part.write_text("half")
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        fail_half_way()
+    assert file.read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.json"]
+
+
+def test_a_full_disk_is_a_file_error(tmp_path: Path) -> None:
+    file = tmp_path / "a.json"
+    with pytest.raises(FileError) as caught, replacing(file, *KIND):
+        raise OSError(28, "No space left on device")
+    assert str(caught.value) == (
+        f"{file}: cannot be written: No space left on device; what was there is as it was"
+    )
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_link_stays_a_link_and_permissions_follow_the_umask(tmp_path: Path) -> None:
+    (tmp_path / "real.json").touch()
+    link = tmp_path / "link.json"
+    link.symlink_to("real.json")
+    with replacing(link, *KIND) as part:
+        part.write_text("new")
+    assert link.is_symlink()
+    assert (tmp_path / "real.json").read_text() == "new"
+    plain = tmp_path / "plain"
+    plain.touch()
+    assert link.stat().st_mode == plain.stat().st_mode
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("a.txt", 'suffix ".txt"; a report ends in .json; name it so'),
+        ("folder.json", "is a directory; give the name of a file in it"),
+        ("pipe.json", "is read-only or no regular file; choose another place"),
+    ],
+)
+def test_a_wrong_place_is_refused_before_the_work(tmp_path: Path, name: str, message: str) -> None:
+    (tmp_path / "folder.json").mkdir()
+    os.mkfifo(tmp_path / "pipe.json")
+    before = sorted(os.listdir(tmp_path))
+    with pytest.raises(FileError) as caught:
+        check_writable(tmp_path / name, *KIND)
+    assert str(caught.value) == f"{tmp_path / name}: {message}"
+    check_writable(tmp_path / "fine.json", *KIND)
+    assert sorted(os.listdir(tmp_path)) == before
