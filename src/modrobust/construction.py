@@ -1,0 +1,190 @@
+"""From placed parts and the settings of a description to a `Robot`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.formats import Assembly, JointItem, Quantity
+from modrobust.formats.structure import did_you_mean
+from modrobust.parts import Parts, PlacedBody, PlacedJoint
+from modrobust.regularity import refuse_singular
+from modrobust.robot import Bounded, Parameters, Robot
+from modrobust.scenarios import scenario_parameters
+from modrobust.settings import controller_settings, per_joint, trajectory_settings
+
+Array = NDArray[np.float64]
+
+_ZERO = Quantity(0.0, 0.0, 0.0, False)
+_ENTRIES = ("xx", "xy", "xz", "yy", "yz", "zz")
+_SQUARE = [[0, 1, 2], [1, 3, 4], [2, 4, 5]]  # six entries to a tensor
+_DRIVE = (("drive", "rotor_inertia"), ("friction", "viscous"), ("friction", "coulomb"))
+
+
+def build(description: Assembly, parts: Parts) -> Robot:
+    """The robot of a description whose parts are placed.
+
+    Raises:
+        DescriptionError: There is no joint, a per-joint value, the payload or a scenario names
+            what is not there, or the mass matrix is singular.
+    """
+    joints = parts.joints
+    if not joints:
+        raise description.where.error(
+            "chain", "no joint in the chain; a robot moves; add a module with a joint"
+        )
+    bodies = [*parts.bodies, *_payload(description, parts)]
+    nominal, lower, upper = (_parameters(bodies, joints, end) for end in ("nominal", "lo", "hi"))
+    names = tuple(joint.name for joint in joints)
+    items = [joint.item for joint in joints]
+    types = tuple(item.type for item in items)
+    disturbance = per_joint(description.disturbance, names, types) or [_ZERO] * len(names)
+    limits = [(-np.inf, np.inf) if item.position is None else item.position for item in items]
+    body_names = tuple(body.name for body in bodies)
+    robot = Robot(
+        name=description.name,
+        gravity=np.array(description.gravity),
+        base=description.base,
+        joint_names=names,
+        joint_types=types,
+        parents=np.array([joint.parent for joint in joints], dtype=np.int32),
+        before=np.array([joint.before for joint in joints]),
+        after=np.array([joint.after for joint in joints]),
+        position_limits=np.array(limits),
+        velocity_limits=np.array([_or_infinite(item.velocity) for item in items]),
+        effort_limits=np.array([_or_infinite(item.effort) for item in items]),
+        gear_ratio=np.array([item.gear_ratio or 0.0 for item in items]),
+        coulomb_speed=np.array([item.coulomb_speed for item in items]),
+        body_names=body_names,
+        body_joints=np.array([body.joint for body in bodies], dtype=np.int32),
+        placement=np.array([body.placement for body in bodies]).reshape(-1, 4, 4),
+        nominal=nominal,
+        lower=lower,
+        upper=upper,
+        disturbance=Bounded(
+            np.array([q.nominal for q in disturbance]),
+            np.array([q.lo for q in disturbance]),
+            np.array([q.hi for q in disturbance]),
+        ),
+        controller=controller_settings(description.controller, names, types),
+        exact=_exact(bodies, joints),
+        not_modelled=_not_modelled(description, joints),
+        notes=(*_payload_notes(description), *description.notes, *parts.notes),
+        scenarios=scenario_parameters(
+            description.scenarios, body_names, joints, nominal, lower, upper
+        ),
+        trajectory=trajectory_settings(description.trajectory, names, types),
+        initial_q=_vector(per_joint(description.initial_q, names, types)),
+        initial_dq=_vector(per_joint(description.initial_dq, names, types)),
+        modules=parts.nodes,
+    )
+    refuse_singular(robot, [item.where for item in items])
+    return robot
+
+
+def _payload(description: Assembly, parts: Parts) -> list[PlacedBody]:
+    payload = description.payload
+    if payload is None:
+        return []
+    known = sorted(parts.ends)
+    if payload.at is None:
+        if parts.tip is None:
+            raise payload.where.error(
+                "payload",
+                f'no "at"; this robot has several ends; name the {parts.place} that carries it, '
+                f"one of {', '.join(known)}",
+            )
+        joint, frame = parts.tip
+    elif payload.at in parts.ends:
+        joint, frame = parts.ends[payload.at]
+    else:
+        raise payload.where.error(
+            "payload.at",
+            f'no {parts.place} named "{payload.at}"; {did_you_mean(payload.at, known)}'
+            f"known: {', '.join(known)}",
+        )
+    if joint < 0:
+        raise payload.where.error(
+            "payload.at",
+            f'"{payload.at}" is fixed to the base, where a payload moves with no joint; '
+            f"name {_article(parts.place)} behind a joint",
+        )
+    if any(body.name == "payload" for body in parts.bodies):
+        raise payload.where.error(
+            "payload", 'a body is named "payload" already; names differ; rename that one'
+        )
+    return [PlacedBody("payload", joint, frame, payload.mass, payload.com, payload.inertia)]
+
+
+def _article(word: str) -> str:
+    return f"an {word}" if word[0] in "aeiou" else f"a {word}"
+
+
+def _payload_notes(description: Assembly) -> tuple[str, ...]:
+    payload = description.payload
+    if payload is None or not payload.assumed_point:
+        return ()
+    return ("payload: taken as a point mass, since neither its inertia nor its size is given",)
+
+
+def _parameters(
+    bodies: Sequence[PlacedBody], joints: Sequence[PlacedJoint], end: str
+) -> Parameters:
+    def drive(name: str) -> Array:
+        return np.array([getattr(getattr(joint.item, name) or _ZERO, end) for joint in joints])
+
+    six = np.array([[getattr(q, end) for q in body.inertia] for body in bodies]).reshape(-1, 6)
+    return Parameters(
+        mass=np.array([getattr(body.mass, end) for body in bodies]),
+        com=np.array([[getattr(q, end) for q in body.com] for body in bodies]).reshape(-1, 3),
+        inertia=six[:, _SQUARE],
+        rotor_inertia=drive("rotor_inertia"),
+        viscous=drive("viscous"),
+        coulomb=drive("coulomb"),
+    )
+
+
+def _exact(bodies: Sequence[PlacedBody], joints: Sequence[PlacedJoint]) -> tuple[str, ...]:
+    """Names of parameters without width; a COM or tensor by its entries only where some have."""
+    names: list[str] = []
+    for body in bodies:
+        groups = (("mass", ("",), (body.mass,)), ("com", ("x", "y", "z"), body.com))
+        for group, entries, values in (*groups, ("inertia", _ENTRIES, body.inertia)):
+            points = [q.lo == q.hi for q in values]
+            if all(points):
+                names.append(f"{body.name}.{group}")
+            else:
+                kept = zip(entries, points, strict=True)
+                names += [f"{body.name}.{group}.{entry}" for entry, point in kept if point]
+    for joint in joints:
+        for group, name in _DRIVE:
+            quantity = getattr(joint.item, name)
+            if quantity is not None and quantity.lo == quantity.hi:
+                names.append(f"{joint.name}.{group}.{name}")
+    return tuple(names)
+
+
+def _not_modelled(description: Assembly, joints: Sequence[PlacedJoint]) -> tuple[str, ...]:
+    """Names of what the description leaves out and the model takes as zero."""
+    names: list[str] = []
+    for joint in joints:
+        names += [f"{joint.name}.{missing}" for missing in _missing(joint.item)]
+    return (*names, *(() if description.disturbance else ("disturbance",)))
+
+
+def _missing(item: JointItem) -> list[str]:
+    drive = [] if item.gear_ratio and item.rotor_inertia else ["drive"]
+    friction = [name for name in ("viscous", "coulomb") if getattr(item, name) is None]
+    if len(friction) == 2:
+        return [*drive, "friction"]
+    return [*drive, *(f"friction.{name}" for name in friction)]
+
+
+def _or_infinite(value: float | None) -> float:
+    return float(np.inf) if value is None else value
+
+
+def _vector(values: list[Quantity] | None) -> Array | None:
+    return None if values is None else np.array([q.nominal for q in values])

@@ -1,0 +1,55 @@
+"""What a description comes down to before it is a `Robot`: placed joints and placed bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.formats import Quantity
+from modrobust.mounting import JointStep
+from modrobust.robot import ModuleNode
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedJoint(JointStep):
+    """A joint in the tree: index of its parent (-1 = base), ``before`` and ``after`` (4, 4)."""
+
+    parent: int
+    before: Array
+    after: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedBody:
+    """A body that moves with `joint` (-1 = base), its frame at `placement` in that link frame."""
+
+    name: str
+    joint: int
+    placement: Array
+    mass: Quantity
+    com: tuple[Quantity, Quantity, Quantity]
+    inertia: tuple[Quantity, Quantity, Quantity, Quantity, Quantity, Quantity]
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """Joints, parents first; bodies; and the named frames where a payload can be.
+
+    Args:
+        ends: Name (of an instance, of a link) to joint index and frame (4, 4) in its link frame.
+        tip: The frame of a payload that names none; None where the description must name one.
+        place: What `ends` are called in messages.
+    """
+
+    joints: tuple[PlacedJoint, ...]
+    bodies: tuple[PlacedBody, ...]
+    ends: Mapping[str, tuple[int, Array]]
+    tip: tuple[int, Array] | None
+    place: str = "instance"
+    notes: tuple[str, ...] = ()
+    nodes: tuple[ModuleNode, ...] = ()

@@ -1,0 +1,187 @@
+"""From a URDF, with what an assembly file or the command line lays over it, to placed parts.
+
+The file passes the strict front end, then our reader with every check, and then yourdfpy reads the
+same bytes: what two readers understand differently is refused.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.errors import DescriptionError
+from modrobust.formats.overlay import UrdfSource
+from modrobust.formats.structure import did_you_mean
+from modrobust.formats.tolerance import Tolerances
+from modrobust.parts import Parts, PlacedBody, PlacedJoint
+from modrobust.robot import ModuleNode
+from modrobust.urdf_confirm import confirm
+from modrobust.urdf_files import find_file, load_tree
+from modrobust.urdf_items import inertial_key, is_frame, read_body, read_urdf_joint
+from modrobust.urdf_reader import Description, Inertial, read_description
+from modrobust.urdf_tree import Selection, select
+
+Array = NDArray[np.float64]
+
+_MANY = 3  # links of a robot do not share one tensor by chance
+_WIDE = 1.0  # [m], a radius of gyration beyond which a link of an arm is hardly real
+
+
+def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
+    """Name and parts of the robot of a URDF.
+
+    Args:
+        source: File, selection, locks, overlays, tolerance.
+
+    Raises:
+        FileError: The file cannot be read.
+        DescriptionError: The file, or what is laid over it, is at fault.
+        MissingExtraError: The file is xacro and that package is not installed.
+    """
+    description = read_file(find_file(source))
+    _check_overlays(description, source)
+    chosen = select(description, source.base_link, source.tip_link, source.lock)
+    tolerances = Tolerances(source.tolerance)
+    notes = [*description.notes, *chosen.notes]
+    joints = tuple(
+        PlacedJoint(
+            motion.joint.name,
+            read_urdf_joint(motion.joint, source.joints.get(motion.joint.name), tolerances, notes),
+            motion.parent,
+            motion.before,
+            motion.after,
+        )
+        for motion in chosen.motions
+    )
+    bodies = _bodies(description, chosen, source, tolerances, notes)
+    notes += _placeholders(description, chosen)
+    if tolerances.unused:
+        keys = ", ".join(tolerances.unused)
+        notes.append(f"tolerance without a parameter it applies to: {keys}")
+    parts = Parts(
+        joints=joints,
+        bodies=tuple(bodies),
+        ends=chosen.frames,
+        tip=None if chosen.tip is None else chosen.frames[chosen.tip],
+        place="link",
+        notes=tuple(notes),
+        nodes=_nodes(description, chosen, bodies),
+    )
+    return description.name, parts
+
+
+def read_file(path: Path) -> Description:
+    """The links and joints of a URDF or xacro file, read twice.
+
+    Raises:
+        FileError: The file cannot be read.
+        DescriptionError: The file is at fault.
+        MissingExtraError: The file is xacro and that package is not installed.
+    """
+    root = load_tree(path)
+    description = read_description(root)
+    confirm(description, root)
+    return description
+
+
+def _check_overlays(description: Description, source: UrdfSource) -> None:
+    for kind, overlays, known in (
+        ("link", source.links, list(description.links)),
+        ("joint", source.joints, list(description.joints)),
+    ):
+        for name, overlay in overlays.items():
+            if name not in known:
+                raise overlay.where.error(
+                    f"{kind}s.{name}",
+                    f'no {kind} named "{name[:80]}"; {did_you_mean(name, known)}'
+                    f"known: {', '.join(known)}",
+                )
+
+
+def _bodies(
+    description: Description,
+    chosen: Selection,
+    source: UrdfSource,
+    tolerances: Tolerances,
+    notes: list[str],
+) -> list[PlacedBody]:
+    bodies = []
+    for name, (joint, frame) in chosen.frames.items():
+        link, overlay = description.links[name], source.links.get(name)
+        if is_frame(link, overlay):
+            continue
+        try:
+            masses, inertia, own_frame, physical = read_body(link, overlay, tolerances)
+        except DescriptionError as problem:
+            if joint >= 0 or overlay is not None:
+                raise
+            # What does not move cannot make a torque wrong.
+            notes.append(
+                f"{problem.field or name}: left out, since it does not move: {problem.message}"
+            )
+            continue
+        if not physical:
+            notes.append(
+                f"link {name}: the bounds of its inertia also hold tensors that no rigid body has"
+            )
+        placement = frame
+        if own_frame:
+            assert link.inertial is not None
+            placement = frame @ link.inertial.origin
+        bodies.append(
+            PlacedBody(name, joint, placement, masses.bounded_mass, masses.bounded_com, inertia)
+        )
+    return bodies
+
+
+def _placeholders(description: Description, chosen: Selection) -> list[str]:
+    """Warnings that name links whose figures look made up."""
+    groups: dict[tuple[float, ...], list[str]] = defaultdict(list)
+    moving: dict[str, Inertial] = {}
+    for name, (joint, _) in chosen.frames.items():
+        inertial = description.links[name].inertial
+        if joint >= 0 and inertial is not None and inertial.mass.value > 0.0:
+            moving[name] = inertial
+            groups[inertial_key(inertial)[1:]].append(name)
+    notes = []
+    for tensor, names in groups.items():
+        round_one = tensor[0] == tensor[3] == tensor[5] and not any(tensor[k] for k in (1, 2, 4))
+        many = len(names) >= _MANY and 2 * len(names) >= len(moving)
+        if many or (round_one and len(names) >= _MANY):
+            notes.append(
+                f"the same inertia tensor on {len(names)} links ({', '.join(names)}): "
+                "placeholders? no bound around a made-up figure holds the true one"
+            )
+    for name, inertial in moving.items():
+        trace = sum(inertial.tensor[k].value for k in (0, 3, 5))
+        radius = float(np.sqrt(max(trace, 0.0) / 2.0 / inertial.mass.value))
+        if radius > _WIDE:
+            notes.append(
+                f"link {name}: {inertial.mass.value:g} kg with a radius of gyration of "
+                f"{radius:.3g} m: a placeholder? no bound around a made-up figure holds the true "
+                "one"
+            )
+    return notes
+
+
+def _nodes(
+    description: Description, chosen: Selection, bodies: list[PlacedBody]
+) -> tuple[ModuleNode, ...]:
+    """The robot as a tree for display: what moves with one joint is one node."""
+    below: dict[int, list[str]] = defaultdict(list)
+    for body in bodies:
+        below[body.joint].append(body.name)
+    nodes = []
+    for index in range(-1, len(chosen.motions)):
+        if index < 0:
+            if below[-1]:
+                nodes.append(ModuleNode("base", "urdf", "fixed", (), tuple(below[-1])))
+            continue
+        joint = chosen.motions[index].joint
+        nodes.append(
+            ModuleNode(joint.child, "urdf", joint.type, (joint.name,), tuple(below[index]))
+        )
+    return tuple(nodes)

@@ -1,0 +1,275 @@
+r"""The part of a URDF's tree that becomes the robot: base, tip, locked joints, frames.
+
+A joint of a URDF turns about an axis of its own frame. With A the rotation that takes z to that
+axis, its motion is
+
+.. math:: T(q) = O\, A\, J_z(q)\, A', \qquad before = O A, \quad after = A'
+
+so that link frames are those of the URDF and the kernel's joints are about z exactly. Fixed and
+locked joints become constant transforms; what hangs behind them moves with the link above, each
+link a body of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.formats import Node, ScalarNode, parse_quantity
+from modrobust.formats.structure import did_you_mean
+from modrobust.geometry import inverse, rotation_z, translation
+from modrobust.urdf_reader import Description, Joint
+
+Array = NDArray[np.float64]
+
+MOVING = ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A joint of the robot: index of its parent (-1 = base), ``before`` and ``after`` (4, 4)."""
+
+    joint: Joint
+    parent: int
+    before: Array
+    after: Array
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The robot's joints, parents first, and the frame of every link in what it moves with.
+
+    Args:
+        frames: Link name to index of the joint it moves with (-1 = base) and frame (4, 4).
+        tip: The link at the end, None where several branches end.
+    """
+
+    motions: tuple[Motion, ...]
+    frames: dict[str, tuple[int, Array]]
+    tip: str | None
+    notes: tuple[str, ...]
+
+
+def axis_rotation(axis: Array) -> Array:
+    """A rotation (4, 4) that takes z to a unit vector, and z to z as the identity.
+
+    Exact for the six directions of the frame. Source: Duff et al. 2017, "Building an orthonormal
+    basis, revisited", free of cancellation for every direction.
+    """
+    x, y, z = (float(value) for value in axis)
+    sign = -1.0 if z < 0.0 else 1.0
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    turned = np.eye(4)
+    turned[:3, 0] = 1.0 + sign * x * x * a, sign * b, -sign * x
+    turned[:3, 1] = b, sign + y * y * a, -y
+    turned[:3, 2] = x, y, z
+    result: Array = turned + 0.0
+    return result
+
+
+def select(
+    description: Description,
+    base: ScalarNode | None,
+    tip: ScalarNode | None,
+    lock: Mapping[str, Node],
+) -> Selection:
+    """The chosen part of a description.
+
+    Args:
+        description: Links and joints.
+        base: Link that the robot stands on, None = the root.
+        tip: Link where the chain ends, None = every branch.
+        lock: Joint name to position.
+
+    Raises:
+        DescriptionError: A name that does not exist, a tip that is not behind the base, a lock
+            outside the limits, or a joint that cannot move here: floating, planar, mimic.
+    """
+    first = _link(description, base, "base_link") or description.root
+    last = _link(description, tip, "tip_link")
+    path = None if last is None else _path(description, first, last, tip)
+    walk = _Walk(description, _locked(description, lock), path, last)
+    walk.run(first)
+    motions, frames = walk.motions, walk.frames
+    if last is not None and motions:
+        _fold_tip(motions, frames, last)
+    if last is None:
+        ends = [name for name in frames if not description.child_joints.get(name)]
+        last = ends[0] if len(ends) == 1 else None
+    return Selection(tuple(motions), frames, last, tuple(walk.notes))
+
+
+def _link(description: Description, node: ScalarNode | None, field: str) -> str | None:
+    if node is None:
+        return None
+    if node.text not in description.links:
+        known = list(description.links)
+        raise node.where.error(
+            field,
+            f'no link named "{node.text[:80]}"; {did_you_mean(node.text, known)}'
+            f"known: {', '.join(known)}",
+        )
+    return node.text
+
+
+def _path(
+    description: Description, first: str, last: str, tip: ScalarNode | None
+) -> frozenset[str]:
+    """Names of the links from base to tip."""
+    links = [last]
+    while links[-1] != first:
+        joint = description.parent_joint.get(links[-1])
+        if joint is None:
+            assert tip is not None
+            raise tip.where.error(
+                "tip_link",
+                f'link "{last}" is not behind the base link "{first}"; a chain runs from the base '
+                "away from the root; choose another base or tip",
+            )
+        links.append(joint.parent)
+    return frozenset(links)
+
+
+def _locked(description: Description, lock: Mapping[str, Node]) -> dict[str, float]:
+    """Positions of the locked joints, those that mimic a locked one included."""
+    found: dict[str, float] = {}
+    for name, node in lock.items():
+        field = f"lock.{name}"
+        joint = description.joints.get(name)
+        if joint is None:
+            known = [joint.name for joint in description.joints.values() if joint.type in MOVING]
+            raise node.where.error(
+                field,
+                f'no joint named "{name[:80]}"; {did_you_mean(name, known)}'
+                f"known: {', '.join(known)}",
+            )
+        if joint.type not in MOVING:
+            raise node.where.error(
+                field,
+                f"a {joint.type} joint (line {joint.where.line}); only revolute, continuous and "
+                "prismatic joints can be locked; remove this entry",
+            )
+        dimension = "length" if joint.type == "prismatic" else "angle"
+        value = parse_quantity(node, dimension, field=field, bounds=False).nominal
+        lo = joint.lower.value if joint.lower else None
+        hi = joint.upper.value if joint.upper else None
+        outside = (lo is not None and value < lo) or (hi is not None and value > hi)
+        if joint.type != "continuous" and outside:
+            raise node.where.error(
+                field,
+                f"{value:g} lies outside the joint's limits [{lo or 0.0:g}, {hi or 0.0:g}] "
+                f"(line {joint.where.line}); lock it at a position that it can have",
+            )
+        found[name] = value
+    progress = True
+    while progress:  # followers of followers
+        progress = False
+        for joint in description.joints.values():
+            leader = joint.mimic.leader if joint.mimic else None
+            if leader in found and joint.name not in found and joint.type in MOVING:
+                assert joint.mimic is not None
+                found[joint.name] = joint.mimic.multiplier * found[leader] + joint.mimic.offset
+                progress = True
+    return found
+
+
+@dataclass
+class _Walk:
+    """The walk from the base to the ends, depth first, branches in the order of the file."""
+
+    description: Description
+    locked: dict[str, float]
+    path: frozenset[str] | None
+    last: str | None
+    motions: list[Motion] = field(default_factory=list)
+    frames: dict[str, tuple[int, Array]] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    def run(self, first: str) -> None:
+        self.frames[first] = (-1, np.eye(4))
+        pending = self._children(first)
+        while pending:
+            joint = pending.pop()
+            rigid = joint.type == "fixed" or joint.name in self.locked
+            aside = self.path is not None and joint.child not in self.path
+            if aside and (not rigid or joint.parent == self.last):
+                self._left_out(joint)
+                continue
+            index, frame = self.frames[joint.parent]
+            if rigid:
+                moved = frame @ joint.origin @ self._frozen(joint)
+                self.frames[joint.child] = (index, moved)
+            else:
+                self._refuse(joint)
+                turned = axis_rotation(joint.axis)
+                before = frame @ joint.origin @ turned
+                self.motions.append(Motion(joint, index, before, inverse(turned)))
+                self.frames[joint.child] = (len(self.motions) - 1, np.eye(4))
+            pending += self._children(joint.child)
+
+    def _children(self, link: str) -> list[Joint]:
+        return self.description.child_joints.get(link, [])[::-1]
+
+    def _frozen(self, joint: Joint) -> Array:
+        """The motion of a fixed or locked joint."""
+        value = self.locked.get(joint.name, 0.0)
+        if value == 0.0:
+            return np.eye(4)
+        if joint.type == "prismatic":
+            return translation(value * joint.axis)
+        turned = axis_rotation(joint.axis)
+        result: Array = turned @ rotation_z(value) @ inverse(turned)
+        return result
+
+    def _refuse(self, joint: Joint) -> None:
+        """Refuses a joint whose motion the model does not have."""
+        owner = f"joint {joint.name}"
+        if joint.type not in MOVING:
+            raise joint.where.error(
+                owner,
+                f"a {joint.type} joint; joints are revolute, continuous, prismatic or fixed; a "
+                f"robot with a base that moves freely is none here; take the part behind it "
+                f"with base_link: {joint.child} (--base {joint.child})",
+            )
+        if joint.mimic is not None:
+            leader = joint.mimic.leader
+            raise joint.mimic.where.error(
+                f"{owner}, mimic",
+                f'follows joint "{leader}"; two joints on one drive are not modelled yet; freeze '
+                f"both with --lock {leader}=VALUE (lock: {{{leader}: VALUE}}), or leave them out "
+                "with --tip LINK",
+            )
+
+    def _left_out(self, joint: Joint) -> None:
+        """Notes what the choice of the tip leaves out, with its mass."""
+        names, mass = [], 0.0
+        pending = [joint.child]
+        while pending:
+            name = pending.pop()
+            pending += [below.child for below in self._children(name)]
+            inertial = self.description.links[name].inertial
+            if inertial is not None and inertial.mass.value != 0.0:
+                names.append(name)
+                mass += inertial.mass.value
+        if names:
+            self.notes.append(
+                f"left out behind joint {joint.name}, since the chain ends at {self.last}: "
+                f"{', '.join(names)} ({mass:.6g} kg)"
+            )
+
+
+def _fold_tip(motions: list[Motion], frames: dict[str, tuple[int, Array]], tip: str) -> None:
+    """Makes the tip the frame of the last link: its ``after`` then runs to the tip."""
+    index, frame = frames[tip]
+    if index < 0 or np.array_equal(frame, np.eye(4)):
+        return
+    back = inverse(frame)
+    motion = motions[index]
+    motions[index] = Motion(motion.joint, motion.parent, motion.before, motion.after @ frame)
+    for name, (owner, placed) in frames.items():
+        if owner == index:
+            frames[name] = (index, np.eye(4) if name == tip else back @ placed)
