@@ -192,7 +192,6 @@ def _collect(mounted: Mounted) -> _Parts:
 
 
 def _product(transforms: Sequence[Array]) -> Array:
-    # Identities are left out: they would cost digits of nothing, but time for long chains.
     return reduce(np.matmul, transforms) if transforms else np.eye(4)
 
 
