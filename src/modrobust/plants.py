@@ -1,0 +1,239 @@
+r"""The true robot in an engine that is not ours: MuJoCo or Pinocchio, built from our own export.
+
+.. math:: M(q, \Delta)\,\ddot q + C(q, \dot q, \Delta)\,\dot q + g(q, \Delta)
+          + F_v \dot q + F_c\,s(\dot q) + k^2 I_m \ddot q = u + d
+
+The rigid-body terms are the engine's own. Coulomb friction is applied by us in its smooth form
+(19) at every stage of the integrator, since MuJoCo's ``frictionloss`` is a constraint and Pinocchio
+has none; so is viscous friction with Pinocchio, which has none in its forward dynamics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from difflib import get_close_matches
+from importlib import import_module
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.describe import mjcf_text, urdf_text
+from modrobust.errors import MissingExtraError, ValueRangeError
+from modrobust.robot import Parameters, Robot
+
+Array = NDArray[np.float64]
+
+BUILTIN = "builtin"
+
+
+class Plant(Protocol):
+    """A robot in motion: positions q and velocities dq, ``(n,)`` [rad] or [m], per s."""
+
+    q: Array
+    dq: Array
+
+    def advance(self, tau: Array) -> None:
+        """One tick under the torques of the drives ``tau`` (n,), held, and the disturbance."""
+
+
+class MujocoPlant:
+    """The robot in MuJoCo: our MJCF with armature and damping, its own RK4.
+
+    Args:
+        robot: Any robot.
+        parameters: What the plant is made of.
+        disturbance: Constant true disturbance ``(n,)`` [N m] or [N].
+        q0, dq0: State at the start, ``(n,)``.
+        dt: Tick [s].
+        substeps: Steps of the integrator a tick.
+
+    Raises:
+        MissingExtraError: The package mujoco is not installed.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        parameters: Parameters,
+        disturbance: Array,
+        q0: Array,
+        dq0: Array,
+        dt: float,
+        substeps: int,
+    ) -> None:
+        self._mujoco: Any = engine("mujoco", "mujoco", 'plant "mujoco"')
+        # Without frictionloss: the smooth form is applied in _friction.
+        point = replace(parameters, coulomb=np.zeros(robot.n))
+        text = mjcf_text(robot, point, timestep=dt / substeps, visual=False).text
+        self._model = self._mujoco.MjModel.from_xml_string(text)
+        # A state that is out of range shall show, not start anew from zero.
+        self._model.opt.disableflags |= int(self._mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+        self._data = self._mujoco.MjData(self._model)
+        joints = [self._model.joint(name) for name in robot.joint_names]
+        self._dofs = np.array([joint.dofadr[0] for joint in joints], dtype=np.intp)
+        self._places = np.array([joint.qposadr[0] for joint in joints], dtype=np.intp)
+        self._substeps = substeps
+        self._coulomb = np.empty(robot.n)
+        self._coulomb[self._dofs] = parameters.coulomb
+        self._smooth = bool(self._coulomb.any())
+        self._speed2 = np.empty(robot.n)
+        self._speed2[self._dofs] = robot.coulomb_speed**2
+        self._data.qfrc_applied[self._dofs] = disturbance
+        self._data.qpos[self._places] = q0
+        self._data.qvel[self._dofs] = dq0
+        self.q, self.dq = np.array(q0), np.array(dq0)
+
+    def advance(self, tau: Array) -> None:
+        """One tick."""
+        mujoco = self._mujoco
+        self._data.ctrl[:] = tau
+        # Both hooks are the whole process's: ours for the time of the step. Without the second,
+        # MuJoCo writes a file into the working directory when a state goes out of range.
+        passive, warning = mujoco.get_mjcb_passive(), mujoco.get_mju_user_warning()
+        mujoco.set_mju_user_warning(_silent)
+        if self._smooth:
+            mujoco.set_mjcb_passive(self._friction)
+        try:
+            mujoco.mj_step(self._model, self._data, self._substeps)
+        finally:
+            mujoco.set_mjcb_passive(passive)
+            mujoco.set_mju_user_warning(warning)
+        self.q = self._data.qpos[self._places]
+        self.dq = self._data.qvel[self._dofs]
+
+    def _friction(self, _: Any, data: Any) -> None:
+        v = data.qvel
+        data.qfrc_passive[:] -= self._coulomb * v / np.sqrt(v * v + self._speed2)
+
+
+def _silent(_: str) -> None:
+    """A run that diverges says so itself."""
+
+
+class PinocchioPlant:
+    """The robot in Pinocchio: our URDF, its articulated-body algorithm, classical Runge-Kutta.
+
+    Arguments as those of `MujocoPlant`. Armature, gravity and friction, which URDF does not hold or
+    Pinocchio does not use, are given beside it.
+
+    Raises:
+        MissingExtraError: The package pin is not installed.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        parameters: Parameters,
+        disturbance: Array,
+        q0: Array,
+        dq0: Array,
+        dt: float,
+        substeps: int,
+    ) -> None:
+        pin: Any = engine("pinocchio", "pinocchio", 'plant "pinocchio"')
+        self._aba = pin.aba
+        self._model = pin.buildModelFromXML(urdf_text(robot, parameters).text)
+        self._model.gravity.linear = np.array(robot.gravity)
+        joints = [self._model.joints[self._model.getJointId(name)] for name in robot.joint_names]
+        self._order = np.array([joint.idx_v for joint in joints], dtype=np.intp)
+        # An endless revolute joint is a cosine and a sine in Pinocchio.
+        endless = np.array([joint.nq == 2 for joint in joints], dtype=bool)
+        places = np.array([joint.idx_q for joint in joints], dtype=np.intp)
+        self._plain, self._circle = np.flatnonzero(~endless), np.flatnonzero(endless)
+        self._plain_at, self._circle_at = places[~endless], places[endless]
+        self._configuration = np.zeros(self._model.nq)
+        armature = np.empty(robot.n)
+        armature[self._order] = robot.gear_ratio**2 * parameters.rotor_inertia
+        self._model.armature = armature
+        self._data = self._model.createData()
+        self._viscous, self._coulomb = parameters.viscous, parameters.coulomb
+        self._speed2 = robot.coulomb_speed**2
+        self._disturbance = disturbance
+        self._h, self._substeps = dt / substeps, substeps
+        self._velocity, self._torque = np.empty(robot.n), np.empty(robot.n)
+        self.q, self.dq = np.array(q0), np.array(dq0)
+
+    def advance(self, tau: Array) -> None:
+        """One tick."""
+        drive, h = tau + self._disturbance, self._h
+        for _ in range(self._substeps):
+            q, v1 = self.q, self.dq
+            a1 = self._acceleration(q, v1, drive)
+            v2 = v1 + 0.5 * h * a1
+            a2 = self._acceleration(q + 0.5 * h * v1, v2, drive)
+            v3 = v1 + 0.5 * h * a2
+            a3 = self._acceleration(q + 0.5 * h * v2, v3, drive)
+            v4 = v1 + h * a3
+            a4 = self._acceleration(q + h * v3, v4, drive)
+            self.q = q + h / 6.0 * (v1 + 2.0 * (v2 + v3) + v4)
+            self.dq = v1 + h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
+
+    def _acceleration(self, q: Array, dq: Array, drive: Array) -> Array:
+        self._configuration[self._plain_at] = q[self._plain]
+        if len(self._circle):
+            angle = q[self._circle]
+            self._configuration[self._circle_at] = np.cos(angle)
+            self._configuration[self._circle_at + 1] = np.sin(angle)
+        smooth = dq / np.sqrt(dq * dq + self._speed2)
+        self._velocity[self._order] = dq
+        self._torque[self._order] = drive - self._viscous * dq - self._coulomb * smooth
+        a: Array = self._aba(
+            self._model, self._data, self._configuration, self._velocity, self._torque
+        )[self._order]
+        return a
+
+
+_PLANTS: dict[str, Callable[..., Plant]] = {"mujoco": MujocoPlant, "pinocchio": PinocchioPlant}
+PLANTS = (BUILTIN, *_PLANTS)
+
+
+def make_plant(
+    name: str,
+    robot: Robot,
+    parameters: Parameters,
+    disturbance: Array,
+    q0: Array,
+    dq0: Array,
+    dt: float,
+    substeps: int,
+) -> Plant:
+    """The plant of that name, see `MujocoPlant`.
+
+    Raises:
+        MissingExtraError: Its engine is not installed.
+    """
+    return _PLANTS[name](robot, parameters, disturbance, q0, dq0, dt, substeps)
+
+
+def check_plant(name: str) -> None:
+    """Refuse a plant that is not known, or whose engine is not installed, before a run.
+
+    Raises:
+        ValueRangeError: No plant of that name.
+        MissingExtraError: The message names the extra.
+    """
+    if name not in PLANTS:
+        close = get_close_matches(str(name), PLANTS, 1)
+        hint = f'did you mean "{close[0]}"? ' if close else ""
+        raise ValueRangeError(f'plant: no plant "{name}"; {hint}known: {", ".join(PLANTS)}')
+    if name != BUILTIN:
+        engine(name, name, f'plant "{name}"')
+
+
+def engine(module: str, extra: str, wanted_by: str) -> Any:
+    """An optional package, imported.
+
+    Raises:
+        MissingExtraError: It is not installed; the message names the extra that brings it.
+    """
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as problem:
+        if (problem.name or "").split(".")[0] != module.split(".")[0]:
+            raise
+        raise MissingExtraError(
+            f"{wanted_by}: the package {module} is not installed; "
+            f'install it with pip install "modrobust[{extra}]"'
+        ) from None
