@@ -108,7 +108,7 @@ def _joints(report: Report) -> Table:
             "-" if position is None else f"{position[0]:.3g} to {position[1]:.3g}",
             number(joint.velocity),
             number(joint.effort),
-            number(joint.static_torque),
+            number(round(joint.static_torque, 9)),  # what rounding leaves is not a torque
             "-" if joint.share is None else f"{joint.share:.0%}",
         )
     return rows

@@ -64,7 +64,7 @@ def print_benchmark(figures: Mapping[str, Any]) -> None:
             measured[f"{item['bound']}, in C"] = item["in_c"]
             measured[f"{item['bound']}, from Python"] = item["in_python"]
         if measured:
-            show(times(measured))
+            show("Time per command", times(measured))
         for item in robot["tightness"]:
             rows = table("joint", "hull", "ianea", "ratio", "median")
             for j, name in enumerate(robot["joints"]):

@@ -59,7 +59,7 @@ def times(measured: Mapping[str, Mapping[str, float | None]]) -> Table:
     from modrobust.benchmark import PAPER_TIMES
 
     statistics = ("mean", "max", "std", "p50", "p99")
-    rows = table("time per command", *statistics)
+    rows = table("", *statistics)
     for label, values in {**measured, "paper (ianea, 3.5 GHz i7)": PAPER_TIMES}.items():
         rows.add_row(label, *(microseconds(values.get(key)) for key in statistics))
     return rows

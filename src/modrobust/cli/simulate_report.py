@@ -21,7 +21,10 @@ def print_run(robot: Robot, result: SimulationResult) -> None:
     show(_headline(settings), style="bold")
     show(*_notes(settings), _figures(figures, settings))
     show("Largest torque, mean width of [Φ]", _joints(robot, figures))
-    show(times({f"this run ({settings['bound']}), in C": figures["command_time"]}))
+    show(
+        "Time per command",
+        times({f"this run ({settings['bound']}), in C": figures["command_time"]}),
+    )
     reasons: Sequence[str] = figures["reasons"]
     if reasons:
         show(*(f"Not good: {reason}" for reason in reasons), style="bold red")
@@ -65,7 +68,8 @@ def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Table:
         "not for good" if entered is None else f"for good from {entered:.4g} s",
     )
     rows.add_row("tracking error at the end", number(figures["error_final"]))
-    rows.add_row("  largest after entering for good", number(figures["error_max_after_entry"]))
+    largest = figures["error_max_after_entry"]
+    rows.add_row("  largest after entering for good", "-" if largest is None else f"{largest:.6g}")
     rows.add_row(
         "‖ρ‖, worst case of [Φ]",
         f"mean {number(figures['rho_mean'])}, largest {number(figures['rho_max'])}",
@@ -73,10 +77,11 @@ def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Table:
     noisy = figures["chattering"]
     if noisy is not None:
         worst = None if None in noisy else max(noisy)
+        limit = figures["chattering_limit"]
+        verdict = "beyond" if worst is None or worst > limit else "limit"
         rows.add_row(
-            "chattering, last 5 s",
-            f"torque variation {number(worst)} times that at 10 Hz "
-            f"(limit {figures['chattering_limit']:g})",
+            "torque variation, last 5 s",
+            f"{number(worst)} times that at 10 Hz ({verdict} {limit:g})",
         )
     return rows
 
