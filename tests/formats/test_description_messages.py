@@ -51,3 +51,10 @@ def test_the_path_in_a_message_is_the_path_as_given(tmp_path):
     (folder / "arm.yaml").write_text(MODULE.replace("2 kg", "2 m"), encoding="utf-8")
     with pytest.raises(DescriptionError, match=r"^parts/\.\./parts/arm\.yaml:18: "):
         load_module("parts/../parts/arm.yaml")
+
+
+def test_an_unknown_key_is_told_before_the_faults_above_it(tmp_path):
+    text = MODULE.replace("name: Arm", "name: [Arm]").replace("mass: 2 kg", "masss: 2 kg")
+    (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
+    with pytest.raises(DescriptionError, match=r'^arm\.yaml:18: body link: unknown key "masss"'):
+        load_module("arm.yaml")

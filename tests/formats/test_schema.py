@@ -68,3 +68,8 @@ def test_every_key_of_the_schema_is_described(kind):
     for part in (schema, *schema["$defs"].values()):
         for key, value in part.get("properties", {}).items():
             assert "description" in value, key
+
+
+def test_an_absent_key_is_not_null():
+    data = _data(_parse_yaml(MODULE, "x.yaml"))
+    assert not Draft202012Validator(json_schema("module")).is_valid({**data, "licence": None})
