@@ -44,6 +44,7 @@ LAYERS = {
     "control": 4,
     "metrics": 4,
     "spline": 4,
+    "motion_limits": 4,
     "trajectory": 4,
     "trajectory_file": 4,
     "result": 5,

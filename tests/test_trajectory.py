@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from modrobust.errors import DescriptionError, FileError, ShapeError, ValueRangeError
+from modrobust.motion_limits import check_duration, check_limits
 from modrobust.robot import Robot, TrajectorySettings
 from modrobust.spline import CubicSpline
 from modrobust.synthetic import synthetic_chain
@@ -18,8 +19,6 @@ from modrobust.trajectory import (
     Sines,
     Splined,
     Trajectory,
-    check_duration,
-    check_limits,
     default_trajectory,
     make_trajectory,
     paper_trajectory,

@@ -25,13 +25,12 @@ from modrobust.arrays import as_array
 from modrobust.control import PerJoint, RobustController, settings_dict
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.metrics import plain
+from modrobust.motion_limits import check_duration, check_limits
 from modrobust.result import LOGGED, LoopStatistics, SimulationResult
 from modrobust.robot import Parameters, Robot
 from modrobust.trajectory import (
     DEFAULT_DURATION,
     Trajectory,
-    check_duration,
-    check_limits,
     make_trajectory,
 )
 
