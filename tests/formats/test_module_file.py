@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modrobust.errors import DescriptionError
-from modrobust.formats import instance_names, load_module
+from modrobust.formats import FrameItem, instance_names, load_module
 from modrobust.formats.exact import above, below
 from modrobust.formats.inertia import box_is_physical, largest_principal_moment
 from modrobust.formats.quantity import Quantity
@@ -174,6 +174,14 @@ def test_overrides_add_optional_values_and_may_bring_their_own_bound(load):
     assert module.items[1].span[2, 3] == 0.01
 
 
+def test_a_body_set_to_none_leaves_its_span_behind(load):
+    module, whole = load(overrides="link: none"), load()
+    assert isinstance(module.items[1], FrameItem)
+    assert module.items[1].name == "link"
+    assert (module.items[1].span == whole.items[1].span).all()
+    assert len(module.items) == len(whole.items)
+
+
 @pytest.mark.parametrize(
     ("override", "message"),
     [
@@ -183,9 +191,18 @@ def test_overrides_add_optional_values_and_may_bring_their_own_bound(load):
             "known: axis, link",
         ),
         (
+            "axis: 1",
+            'robot.yaml:1: set.axis: "axis" is a part of module "arm"; a path names a field of a '
+            "part; write one such as axis.limits",
+        ),
+        (
             "link: 1",
-            'robot.yaml:1: set.link: "link" is a part of module "arm"; a path names a field of a '
-            "part; write one such as link.mass",
+            'robot.yaml:1: set.link: "1" for a whole body; a body is set by its fields or taken '
+            "off; write link.mass, or link: none",
+        ),
+        (
+            "link: none\nlink.mass: 1",
+            'robot.yaml:2: frame link: unknown key "mass"; known: frame, span',
         ),
         (
             "link.mas: 1",

@@ -14,7 +14,7 @@ from modrobust.formats.models import (
     NestedModel,
 )
 from modrobust.formats.naming import instance_names_of
-from modrobust.formats.nodes import ListNode, MapNode, Node, kind_of, shown
+from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, kind_of, shown
 from modrobust.formats.structure import did_you_mean
 
 _SETTABLE: dict[type, tuple[str, ...]] = {
@@ -31,7 +31,7 @@ def overridden(root: MapNode, module: ModuleModel, overrides: Mapping[str, Node]
         root: Tree of the module file.
         module: The same, structurally checked.
         overrides: Path inside the module ("body.mass", "joint.friction.viscous",
-            "instance.body.mass") to value.
+            "instance.body.mass") to value; "body" to `none` takes the body off.
 
     Raises:
         DescriptionError: A path that leads nowhere.
@@ -47,15 +47,19 @@ def overridden(root: MapNode, module: ModuleModel, overrides: Mapping[str, Node]
                 f'no part {shown(name)} in module "{module.module}"; {did_you_mean(name, names)}'
                 f"known: {', '.join(names)}",
             )
-        if not rest:
-            raise node.where.error(
-                f"set.{path}",
-                f'{shown(name)} is a part of module "{module.module}"; a path names a field of a '
-                f"part; write one such as {name}.mass",
-            )
         index = names[name]
         model = module.chain[index]
         entry = entries[index]
+        if isinstance(model, BodyModel) and isinstance(node, ScalarNode) and path == name:
+            entries[index] = _without_mass(entry, name, node)
+            continue
+        if not rest:
+            field = _SETTABLE.get(type(model), ("body.mass",))[0]
+            raise node.where.error(
+                f"set.{path}",
+                f'{shown(name)} is a part of module "{module.module}"; a path names a field of a '
+                f"part; write one such as {name}.{field}",
+            )
         if isinstance(model, NestedModel):
             steps = ["set", rest]
         else:
@@ -64,6 +68,21 @@ def overridden(root: MapNode, module: ModuleModel, overrides: Mapping[str, Node]
         entries[index] = _put(entry, steps, node, path)
     tree = ListNode(tuple(entries), chain.where)
     return replace(root, entries={**root.entries, "chain": tree})
+
+
+def _without_mass(entry: Node, name: str, node: ScalarNode) -> MapNode:
+    """The body taken off, its span kept: what ``body: none`` asks for."""
+    if node.text != "none":
+        raise node.where.error(
+            f"set.{name}",
+            f"{shown(node.text)} for a whole body; a body is set by its fields or taken off; "
+            f"write {name}.mass, or {name}: none",
+        )
+    kept: dict[str, Node] = {"frame": ScalarNode(name, node.where)}
+    places = {"frame": node.where}
+    if isinstance(entry, MapNode) and "span" in entry.entries:
+        kept["span"], places["span"] = entry.entries["span"], entry.key_where["span"]
+    return MapNode(kept, node.where, places)
 
 
 def _entry_names(chain: Sequence[ChainEntry]) -> dict[str, int]:
