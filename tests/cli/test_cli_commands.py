@@ -1,0 +1,133 @@
+"""Each command on a built-in robot: what it prints, writes and answers."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import re
+import subprocess
+from pathlib import Path
+
+import numpy as np
+from command_line import COMMAND, environment
+
+SHORT = ("simulate", "lwa4p-paper", "--scenario", "1", "--duration", "20ms")
+
+
+def test_assemble_writes_the_same_json_that_it_prints(run, tmp_path: Path) -> None:
+    result = run("assemble", "lwa4p-paper", "--json", "--output", "resolved.json")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout == (tmp_path / "resolved.json").read_text()
+    robot = json.loads(result.stdout)
+    assert (robot["robot"], len(robot["joints"]), robot["gravity"]) == (
+        "lwa4p-paper",
+        6,
+        [0.0, 0.0, -9.81],
+    )
+
+
+def test_assemble_shows_masses_limits_and_what_is_exact(run) -> None:
+    result = run("assemble", "lwa4p-payload")
+    assert (result.returncode, result.stderr) == (0, "")
+    for title in ("Modules of", "Standard D-H table", "Links, their masses", "static gravity"):
+        assert title in result.stdout
+    assert all(len(line) <= 80 for line in result.stdout.splitlines())
+
+
+def test_a_robot_file_in_another_folder_works_as_the_built_in_one(run, tmp_path: Path) -> None:
+    text = "modrobust: 1\nrobot: arm\nchain: [lwa4p-paper-link-1]\ncontroller: {K_r: 10}\n"
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "arm.yaml").write_text(text)
+    result = run("assemble", "robots/arm.yaml", "--json")
+    assert [joint["name"] for joint in json.loads(result.stdout)["joints"]] == [
+        "lwa4p-paper-link-1.axis"
+    ]
+
+
+def test_simulate_answers_1_when_epsilon_is_not_reached_and_says_so(run) -> None:
+    result = run(*SHORT)
+    assert (result.returncode, result.stderr) == (1, "")
+    assert "Not good: the tracking error did not stay below epsilon = 0.01" in result.stdout
+    assert "violations of the bound            0 of 1001 ticks" in result.stdout
+
+
+def test_simulate_prints_json_and_saves_the_run(run, tmp_path: Path) -> None:
+    result = run(*SHORT, "--bound", "ianea", "--log", "run.npz", "--json")
+    figures = json.loads(result.stdout)
+    assert (result.returncode, result.stderr) == (1, "")
+    assert (figures["violations"], figures["diverged"]) == (0, False)
+    assert figures["settings"]["bound"] == "ianea"
+    with np.load(tmp_path / "run.npz") as log:
+        assert log["t"][-1] == 0.02
+        assert (log["phi_lo"] <= log["w"]).all()
+    assert os.listdir(tmp_path) == ["run.npz"]
+
+
+def test_simulate_follows_a_motion_from_a_file(run, tmp_path: Path) -> None:
+    rows = [f"{t},{','.join([str(0.01 * t)] * 6)}" for t in range(4)]
+    (tmp_path / "motion.csv").write_text("\n".join(rows))
+    result = run("simulate", "lwa4p-paper", "--trajectory", "motion.csv", "--json")
+    assert result.returncode == 0
+    assert json.loads(result.stdout)["settings"]["duration"] == 3.0
+
+
+def test_bench_gives_times_tightness_and_growth_as_json(run) -> None:
+    result = run("bench", "lwa4p-paper", "--repeat", "1", "--json")
+    assert (result.returncode, result.stderr) == (0, "")
+    figures = json.loads(result.stdout)
+    (robot,) = figures["robots"]
+    assert [item["bound"] for item in robot["times"]] == ["hull", "ianea"]
+    for item in robot["times"]:
+        assert 0.0 < item["in_c"]["min"] < item["in_python"]["min"]
+    for item in robot["tightness"]:
+        assert all(ratio >= 1.0 for ratio in item["ratio"])
+    assert [item["joints"][-1] for item in figures["growth"]] == [256, 256]
+
+
+def test_modules_lists_the_catalogue_with_what_mates_to_what(run) -> None:
+    result = run("modules", "--json")
+    assert (result.returncode, result.stderr) == (0, "")
+    modules = {module["module"]: module for module in json.loads(result.stdout)}
+    assert sum(module["product"] for module in modules.values()) >= 30
+    assert all(module["source"] for module in modules.values())
+    assert "schunk-link-350" in modules["schunk-pb-large-1"]["mates"]
+    assert "hebi-x5-1" not in modules["schunk-pb-large-1"]["mates"]
+    table = run("modules").stdout
+    assert all(module in table for module in modules)
+
+
+def test_modules_of_a_folder(run, tmp_path: Path) -> None:
+    assert run("modules", str(tmp_path)).stdout.startswith("0 modules")
+    assert run("modules", "nowhere").stderr == (
+        "nowhere: no such directory; give a directory with module files\n"
+    )
+
+
+def on_a_terminal(folder: Path, **environment_changes: str) -> str:
+    """What a short, bad simulation shows on a terminal."""
+    terminal, inner = pty.openpty()
+    subprocess.run(
+        [*COMMAND, *SHORT],
+        cwd=folder,
+        env=environment(TERM="xterm", COLUMNS="80", **environment_changes),
+        stdin=subprocess.DEVNULL,
+        stdout=inner,
+        check=False,
+    )
+    os.close(inner)
+    shown = b""
+    try:
+        while data := os.read(terminal, 4096):
+            shown += data
+    except OSError:  # read to the end
+        pass
+    os.close(terminal)
+    return shown.decode()
+
+
+def test_colour_is_for_terminals_and_not_where_no_color_is_set(run, tmp_path: Path) -> None:
+    red = re.compile(r"\x1b\[[0-9;]*3\dm")
+    assert red.search(on_a_terminal(tmp_path))
+    assert not red.search(on_a_terminal(tmp_path, NO_COLOR="1"))
+    assert "\x1b" not in run(*SHORT).stdout
