@@ -33,7 +33,7 @@ def reach(robot: Robot) -> float:
         parent = int(robot.parents[i])
         ends[i] = _length(joint_origin(robot, i)) + (ends[parent] if parent >= 0 else 0.0)
     tips = [ends[i] + _length(robot.after[i]) for i in range(robot.n)]
-    return max([*tips, 1e-2])
+    return float(max([*tips, 1e-2]))
 
 
 def radii(robot: Robot) -> Array:

@@ -77,16 +77,17 @@ def mjcf_element(
     option.set("gravity", numbers(robot.gravity))
     ET.SubElement(option, "flag", contact="disable")
     world = ET.SubElement(root, "worldbody")
-    names = Names([*robot.body_names, "world"])
+    names = Names(["world"])  # MuJoCo's own
+    bodies = [names.new(name) for name in robot.body_names]
     base = _frame(world, names.new("base"), robot.base)
     frames: dict[int, ET.Element] = {-1: base}
     moved: dict[int, list[int]] = {i: [] for i in range(-1, robot.n)}
     for k, i in enumerate(robot.body_joints):
         moved[int(i)].append(k)
-    _fixed_bodies(base, robot, point, moved[-1], lost)
+    _fixed_bodies(base, robot, point, moved[-1], bodies, lost)
     for i in range(robot.n):
         own = next((k for k in moved[i] if _can_move(point, k)), None)
-        name = names.new(f"{robot.joint_names[i]}.link") if own is None else robot.body_names[own]
+        name = names.new(f"{robot.joint_names[i]}.link") if own is None else bodies[own]
         frame = _frame(frames[int(robot.parents[i])], name, joint_origin(robot, i))
         frames[i] = frame
         _joint(frame, robot, point, i)
@@ -104,7 +105,7 @@ def mjcf_element(
                 f"that {robot.joint_names[i]} moves no extended body of its own; "
                 f"{_STAND_IN:g} kg and kg m^2 stand in"
             )
-        _fixed_bodies(frame, robot, point, [k for k in moved[i] if k != own], lost)
+        _fixed_bodies(frame, robot, point, [k for k in moved[i] if k != own], bodies, lost)
     if visual:
         add_geoms(frames, robot, point)
     actuators = ET.SubElement(root, "actuator")
@@ -134,10 +135,15 @@ def _joint(body: ET.Element, robot: Robot, point: Parameters, i: int) -> None:
 
 
 def _fixed_bodies(
-    parent: ET.Element, robot: Robot, point: Parameters, bodies: list[int], lost: list[str]
+    parent: ET.Element,
+    robot: Robot,
+    point: Parameters,
+    which: list[int],
+    names: list[str],
+    lost: list[str],
 ) -> None:
-    for k in bodies:
-        frame = _frame(parent, robot.body_names[k], body_origin(robot, k))
+    for k in which:
+        frame = _frame(parent, names[k], body_origin(robot, k))
         if weighs(point, k):
             _inertial(frame, robot, point, k, np.eye(4), lost)
 

@@ -1,0 +1,203 @@
+"""The true robot in MuJoCo and in Pinocchio: it moves as ours does, and the guarantee holds there.
+
+The control rates are those at which the loop is stable and the test quick: 2 kHz for the LWA 4P,
+whose rotors make its light wrist heavy enough; 50 kHz for the paper's robot, without drives.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import modrobust as mr
+from modrobust.errors import MissingExtraError, ValueRangeError
+from modrobust.plants import PLANTS, make_plant
+from modrobust.result import LOGGED
+from modrobust.robot import Parameters, Robot
+from modrobust.simulation import SimulationResult, simulate
+from modrobust.trajectory import Quintic
+from random_robots import random_robot
+
+ENGINES = ("mujoco", "pinocchio")
+
+
+def frictionless(robot: Robot) -> Robot:
+    def without(point: Parameters) -> Parameters:
+        return replace(point, viscous=0.0 * point.viscous, coulomb=0.0 * point.coulomb)
+
+    points = {name: without(getattr(robot, name)) for name in ("nominal", "lower", "upper")}
+    return replace(robot, **points)
+
+
+@pytest.fixture(scope="module")
+def smooth_runs() -> dict[str, SimulationResult]:
+    """Ten seconds of the LWA 4P without friction, random true parameters."""
+    robot = frictionless(mr.load_robot("lwa4p"))
+    return {plant: simulate(robot, plant=plant, control_rate=2e3, seed=3) for plant in PLANTS}
+
+
+@pytest.fixture(scope="module")
+def runs() -> dict[str, SimulationResult]:
+    """Two seconds of the LWA 4P as it is, friction included, at a corner of the bounds."""
+    robot = mr.load_robot("lwa4p")
+    options: dict[str, Any] = {"parameters": "corner", "seed": 4, "control_rate": 2e3}
+    return {plant: simulate(robot, plant=plant, duration=2.0, **options) for plant in PLANTS}
+
+
+def apart(one: SimulationResult, other: SimulationResult) -> float:
+    """Largest difference of joint positions over time [rad]."""
+    assert one.q.shape == other.q.shape
+    return float(np.abs(one.q - other.q).max())
+
+
+def test_three_plants_agree_within_a_tenth_of_a_milliradian_over_ten_seconds(
+    smooth_runs: dict[str, SimulationResult],
+) -> None:
+    builtin = smooth_runs["builtin"]
+    assert builtin.t[-1] == pytest.approx(10.0)
+    assert np.ptp(builtin.q, axis=0).min() > 0.3  # they move [rad]
+    for plant in ENGINES:
+        assert apart(builtin, smooth_runs[plant]) < 1e-4  # required; seen: 3e-16
+        assert apart(builtin, smooth_runs[plant]) < 1e-10
+
+
+def test_the_bound_holds_and_epsilon_is_reached_in_all_three_plants(
+    smooth_runs: dict[str, SimulationResult], runs: dict[str, SimulationResult]
+) -> None:
+    for result in (*smooth_runs.values(), *runs.values()):
+        figures = result.summary()
+        assert figures["violations"] == 0
+        assert figures["epsilon_entered_at"] is not None
+        assert figures["ok"]
+
+
+def test_friction_makes_no_difference_to_the_agreement(runs: dict[str, SimulationResult]) -> None:
+    assert runs["builtin"].parameters.coulomb.min() > 1.0  # [N m]
+    for plant in ENGINES:
+        assert apart(runs["builtin"], runs[plant]) < 1e-10
+
+
+def test_everything_that_is_logged_agrees_and_the_figures_over_all_ticks_too(
+    runs: dict[str, SimulationResult],
+) -> None:
+    builtin = runs["builtin"]
+    for plant in ENGINES:
+        for name in LOGGED:
+            ours, theirs = getattr(builtin, name), getattr(runs[plant], name)
+            np.testing.assert_allclose(theirs, ours, rtol=1e-7, atol=1e-7, err_msg=name)
+        one, other = builtin.statistics, runs[plant].statistics
+        assert one is not None
+        assert other is not None
+        for key, value in vars(one).items():
+            np.testing.assert_allclose(getattr(other, key), value, rtol=1e-7, atol=1e-9)
+        assert runs[plant].settings["plant"] == plant
+
+
+def test_the_paper_s_robot_moves_alike_at_50_khz() -> None:
+    robot = mr.load_robot("lwa4p-paper")
+    ran = {p: simulate(robot, scenario="2", plant=p, duration=0.1) for p in PLANTS}
+    for plant in ENGINES:
+        assert apart(ran["builtin"], ran[plant]) < 1e-10
+        assert ran[plant].summary()["violations"] == 0
+        assert len(ran[plant].t) == 101
+
+
+def test_a_violated_bound_is_seen_with_every_plant() -> None:
+    """The true robot has no friction; the bounds say that it has."""
+    robot = mr.load_robot("lwa4p")
+    truth = frictionless(robot).nominal
+    options: dict[str, Any] = {"parameters": truth, "control_rate": 2e3, "duration": 0.1}
+    ran = [simulate(robot, plant=plant, **options).statistics for plant in PLANTS]
+    counts = {statistics.violations for statistics in ran if statistics is not None}
+    assert len(counts) == 1
+    assert counts.pop() > 150
+
+
+@pytest.mark.parametrize("plant", ENGINES)
+@pytest.mark.parametrize("shape", [{"types": "rprrp"}, {"n": 7, "tree": True}])
+def test_without_a_controller_the_motion_is_that_of_our_forward_dynamics(
+    plant: str, shape: dict[str, Any]
+) -> None:
+    """No loop that would hide a difference: given torques, friction, rotors, a disturbance."""
+    rng = np.random.default_rng(11)
+    robot = random_robot(rng, **shape)
+    point, d = robot.sample_parameters(rng), rng.normal(size=robot.n)
+    q, dq = rng.normal(size=(2, robot.n))
+    dt, substeps = 1e-4, 2
+    motion = make_plant(plant, robot, point, d, q, dq, dt, substeps)
+    for _ in range(300):
+        tau = 20.0 * rng.normal(size=robot.n)
+        motion.advance(tau)
+        for _ in range(substeps):
+            q, dq = runge_kutta(robot, point, q, dq, tau + d, dt / substeps)
+    assert np.abs(dq).max() > 0.1
+    np.testing.assert_allclose(motion.q, q, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(motion.dq, dq, rtol=0, atol=1e-8)
+
+
+def runge_kutta(
+    robot: Robot, point: Parameters, q: Any, dq: Any, tau: Any, h: float
+) -> tuple[Any, Any]:
+    def slope(state: Any) -> Any:
+        a = mr.forward_dynamics(robot, state[0], state[1], tau, point)
+        return np.array([state[1], a])
+
+    y = np.array([q, dq])
+    k1 = slope(y)
+    k2 = slope(y + h / 2 * k1)
+    k3 = slope(y + h / 2 * k2)
+    k4 = slope(y + h * k3)
+    q, dq = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return q, dq
+
+
+@pytest.mark.parametrize("plant", PLANTS)
+def test_a_run_that_diverges_says_so_and_leaves_no_file(
+    plant: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    robot = mr.load_robot("lwa4p-paper")
+    result = simulate(robot, scenario="1", plant=plant, control_rate=500.0, duration=1.0)
+    assert result.diverged
+    assert result.summary()["reasons"]
+    assert len(result.t) < 500
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_mujoco_s_hooks_are_given_back() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    mine: Any = lambda model, data: None  # noqa: E731
+    mujoco.set_mjcb_passive(mine)
+    try:
+        robot = mr.load_robot("lwa4p")
+        rest = Quintic(np.array([0.0]), np.zeros((1, robot.n)))
+        simulate(robot, plant="mujoco", trajectory=rest, duration=0.01, control_rate=2e3)
+        assert mujoco.get_mjcb_passive() is mine
+    finally:
+        mujoco.set_mjcb_passive(None)
+
+
+@pytest.mark.parametrize(("plant", "package"), [("mujoco", "mujoco"), ("pinocchio", "pinocchio")])
+def test_an_engine_that_is_not_installed_names_its_extra(
+    plant: str, package: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(MissingExtraError) as caught:
+        simulate(mr.load_robot("scara"), plant=plant)
+    assert str(caught.value) == (
+        f'plant "{plant}": the package {package} is not installed; '
+        f'install it with pip install "modrobust[{plant}]"'
+    )
+
+
+def test_an_unknown_plant_is_refused() -> None:
+    with pytest.raises(ValueRangeError) as caught:
+        simulate(mr.load_robot("scara"), plant="mujuco")
+    assert str(caught.value) == (
+        'plant: no plant "mujuco"; did you mean "mujoco"? known: builtin, mujoco, pinocchio'
+    )
