@@ -64,6 +64,27 @@ def test_hull_equals_the_exact_range(shape: dict[str, Any], width: Any) -> None:
         assert np.all(hi - lo <= 1.02 * (exact_hi - exact_lo) + 2 * slack)
 
 
+def test_hull_equals_the_exact_range_where_the_centre_of_mass_is_hardly_known() -> None:
+    # boxes of a metre: the quadratic bends so much that faces and edges hold most extrema
+    rng = np.random.default_rng(18)
+    for _ in range(12):
+        robot = random_robot(rng, types="rrr", simple=True, drives=False)
+        down, up = rng.uniform(0.0, 0.7, (2, *robot.nominal.com.shape))
+        robot = replace(
+            robot,
+            lower=replace(robot.lower, com=robot.nominal.com - down),
+            upper=replace(robot.upper, com=robot.nominal.com + up),
+        )
+        for rate in (0.0, 3.0, 30.0):
+            state = random_state(rng, 3, rate)
+            lo, hi = mr.inverse_dynamics_bounds(robot, *state)
+            exact_lo, exact_hi = exact_bounds(robot, *state)
+            slack = ROUNDING * size(exact_lo, exact_hi)
+            assert np.all(lo <= exact_lo + slack)
+            assert np.all(hi >= exact_hi - slack)
+            assert np.all(hi - lo <= 1.02 * (exact_hi - exact_lo) + 2 * slack)
+
+
 def random_corner(robot: Robot, rng: np.random.Generator) -> Parameters:
     """A vertex of the box, drawn here so that the robot's own method is not trusted."""
     sides = {}
