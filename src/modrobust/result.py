@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from modrobust import _kernel, files
 from modrobust.control import RobustController
+from modrobust.engine_loop import EngineLoop
 from modrobust.errors import ModrobustError
 from modrobust.files import replacing
 from modrobust.metrics import CHATTERING_LIMIT, chattering, plain, ratio, time_statistics
@@ -45,7 +46,7 @@ class LoopStatistics:
     rho_max: float
 
     @classmethod
-    def of(cls, loop: _kernel.Loop) -> LoopStatistics:
+    def of(cls, loop: _kernel.Loop | EngineLoop) -> LoopStatistics:
         """The loop's figures as they are now."""
         return cls(
             ticks=loop.ticks,

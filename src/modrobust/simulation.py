@@ -23,9 +23,11 @@ from numpy.typing import ArrayLike, NDArray
 from modrobust import _kernel
 from modrobust.arrays import as_array
 from modrobust.control import PerJoint, RobustController, settings_dict
+from modrobust.engine_loop import EngineLoop
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.metrics import plain
 from modrobust.motion_limits import check_duration, check_limits
+from modrobust.plants import BUILTIN, check_plant, make_plant
 from modrobust.result import LOGGED, LoopStatistics, SimulationResult
 from modrobust.robot import Parameters, Robot
 from modrobust.trajectory import (
@@ -130,6 +132,7 @@ def simulate(
     duration: float | None = None,
     control_rate: float = CONTROL_RATE,
     substeps: int = 1,
+    plant: str = BUILTIN,
     q0: ArrayLike | None = None,
     dq0: ArrayLike | None = None,
     disturbance: ArrayLike | None = None,
@@ -149,6 +152,8 @@ def simulate(
         duration: Simulated time [s]; the trajectory's own when None, else 10 s.
         control_rate: Commands a second [Hz]; each is held until the next.
         substeps: Runge-Kutta steps between two commands.
+        plant: What moves as the true robot: ``"builtin"``, or another engine, ``"mujoco"`` or
+            ``"pinocchio"``, whose loop runs in Python; see `modrobust.plants`.
         q0, dq0: State at the start, ``(n,)``. When None: the description's ``initial`` where its
             own trajectory is used, else on the trajectory.
         disturbance: True disturbance ``(n,)`` [N m] or [N]; overrides the drawn one.
@@ -161,6 +166,7 @@ def simulate(
     Raises:
         InputError: An argument is wrong; the subclass says how. Nothing was computed.
     """
+    check_plant(plant)
     controller = RobustController(
         robot,
         law=law,
@@ -190,15 +196,7 @@ def simulate(
     own = trajectory is None
     q_start = _start("q0", q0, robot.initial_q if own else None, start[0][0], robot)
     dq_start = _start("dq0", dq0, robot.initial_dq if own else None, start[1][0], robot)
-    loop = _kernel.Loop(
-        controller.kernel,
-        truth.parameters.packed,
-        truth.disturbance,
-        q_start,
-        dq_start,
-        dt,
-        substeps,
-    )
+    loop = _loop(plant, controller, truth, q_start, dq_start, dt, substeps)
     run = _Run(loop, motion, ticks, dt, log_every)
     run.advance(progress, duration)
     settings = {
@@ -212,6 +210,7 @@ def simulate(
         "control_rate": control_rate,
         "hold": "the command is evaluated at the control rate and held between",
         "substeps": substeps,
+        "plant": plant,
         "log_step": log_every * dt,
         "q0": q_start.tolist(),
         "dq0": dq_start.tolist(),
@@ -230,11 +229,34 @@ def simulate(
     )
 
 
+def _loop(
+    plant: str,
+    controller: RobustController,
+    truth: TrueRobot,
+    q0: Array,
+    dq0: Array,
+    dt: float,
+    substeps: int,
+) -> _kernel.Loop | EngineLoop:
+    """The closed loop in C, or with a plant of another engine."""
+    d = truth.disturbance
+    if plant == BUILTIN:
+        kernel = controller.kernel
+        return _kernel.Loop(kernel, truth.parameters.packed, d, q0, dq0, dt, substeps)
+    moving = make_plant(plant, controller.robot, truth.parameters, d, q0, dq0, dt, substeps)
+    return EngineLoop(controller, moving, truth.parameters, d, dt)
+
+
 class _Run:
     """Drives the kernel's loop in chunks; what a chunk leaves is kept or dropped as a whole."""
 
     def __init__(
-        self, loop: _kernel.Loop, motion: Trajectory, ticks: int, dt: float, log_every: int
+        self,
+        loop: _kernel.Loop | EngineLoop,
+        motion: Trajectory,
+        ticks: int,
+        dt: float,
+        log_every: int,
     ) -> None:
         self.loop, self.motion = loop, motion
         self.ticks, self.dt, self.log_every = ticks, dt, log_every

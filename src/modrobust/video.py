@@ -1,7 +1,7 @@
 """A simulated run as a video in real time, rendered offscreen.
 
-The robot moves, with the way of its tips: where they were, and where they were to be. Any run can be
-shown, whatever plant it came from.
+The robot moves, with the way of its tips: where they were, and where they were to be. Any run can
+be shown, whatever plant it came from.
 """
 
 from __future__ import annotations
