@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from modrobust.formats import Assembly, JointItem, Quantity
 from modrobust.formats.structure import did_you_mean
 from modrobust.parts import Parts, PlacedBody, PlacedJoint
+from modrobust.physical import is_physical
 from modrobust.regularity import refuse_singular
 from modrobust.robot import Bounded, Parameters, Robot
 from modrobust.scenarios import scenario_parameters
@@ -27,22 +28,21 @@ def build(description: Assembly, parts: Parts) -> Robot:
     """The robot of a description whose parts are placed.
 
     Raises:
-        DescriptionError: There is no joint, a per-joint value, the payload or a scenario names
-            what is not there, or the mass matrix is singular.
+        DescriptionError: A per-joint value, the payload or a scenario names what is not there, or
+            the mass matrix is singular.
     """
     joints = parts.joints
-    if not joints:
-        raise description.where.error(
-            "chain", "no joint in the chain; a robot moves; add a module with a joint"
-        )
     bodies = [*parts.bodies, *_payload(description, parts)]
     nominal, lower, upper = (_parameters(bodies, joints, end) for end in ("nominal", "lo", "hi"))
     names = tuple(joint.name for joint in joints)
     items = [joint.item for joint in joints]
     types = tuple(item.type for item in items)
     disturbance = per_joint(description.disturbance, names, types) or [_ZERO] * len(names)
-    limits = [(-np.inf, np.inf) if item.position is None else item.position for item in items]
     body_names = tuple(body.name for body in bodies)
+    scenarios = scenario_parameters(
+        description.scenarios, body_names, joints, nominal, lower, upper
+    )
+    limits = [(-np.inf, np.inf) if item.position is None else item.position for item in items]
     robot = Robot(
         name=description.name,
         gravity=np.array(description.gravity),
@@ -71,10 +71,13 @@ def build(description: Assembly, parts: Parts) -> Robot:
         controller=controller_settings(description.controller, names, types),
         exact=_exact(bodies, joints),
         not_modelled=_not_modelled(description, joints),
-        notes=(*_payload_notes(description), *description.notes, *parts.notes),
-        scenarios=scenario_parameters(
-            description.scenarios, body_names, joints, nominal, lower, upper
+        notes=(
+            *_payload_notes(description),
+            *_scenario_notes(scenarios, body_names, nominal),
+            *description.notes,
+            *parts.notes,
         ),
+        scenarios=scenarios,
         trajectory=trajectory_settings(description.trajectory, names, types),
         initial_q=_vector(per_joint(description.initial_q, names, types)),
         initial_dq=_vector(per_joint(description.initial_dq, names, types)),
@@ -127,6 +130,19 @@ def _payload_notes(description: Assembly) -> tuple[str, ...]:
     if payload is None or not payload.assumed_point:
         return ()
     return ("payload: taken as a point mass, since neither its inertia nor its size is given",)
+
+
+def _scenario_notes(
+    scenarios: Mapping[str, Parameters], body_names: Sequence[str], nominal: Parameters
+) -> list[str]:
+    return [
+        f"scenario {name}: {body} has a tensor that no rigid body has"
+        for name, point in scenarios.items()
+        for body, physical in zip(
+            body_names, is_physical(point.inertia, nominal.inertia), strict=True
+        )
+        if not physical
+    ]
 
 
 def _parameters(

@@ -20,7 +20,7 @@ from modrobust.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.robot import ModuleNode
 from modrobust.urdf_confirm import confirm
 from modrobust.urdf_files import find_file, load_tree
-from modrobust.urdf_items import inertial_key, is_frame, read_body, read_urdf_joint
+from modrobust.urdf_items import inertial_key, is_frame, is_point, read_body, read_urdf_joint
 from modrobust.urdf_reader import Description, Inertial, read_description
 from modrobust.urdf_tree import Selection, select
 
@@ -46,6 +46,11 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
     chosen = select(description, source.base_link, source.tip_link, source.lock)
     tolerances = Tolerances(source.tolerance)
     notes = [*description.notes, *chosen.notes]
+    if not chosen.motions:
+        raise description.where.error(
+            f"robot {description.name}",
+            "no joint that moves; a robot has one; give a URDF of a robot, or lock less",
+        )
     joints = tuple(
         PlacedJoint(
             motion.joint.name,
@@ -57,6 +62,7 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
         for motion in chosen.motions
     )
     bodies = _bodies(description, chosen, source, tolerances, notes)
+    _need_mass(chosen, joints, bodies)
     notes += _placeholders(description, chosen)
     if tolerances.unused:
         keys = ", ".join(tolerances.unused)
@@ -123,6 +129,11 @@ def _bodies(
                 f"{problem.field or name}: left out, since it does not move: {problem.message}"
             )
             continue
+        if joint >= 0 and is_point(link, overlay):
+            notes.append(
+                f"link {name}: taken as a point mass, since its inertia tensor is all 0; such a "
+                "tensor is rarely true, and has no bounds here"
+            )
         if not physical:
             notes.append(
                 f"link {name}: the bounds of its inertia also hold tensors that no rigid body has"
@@ -135,6 +146,26 @@ def _bodies(
             PlacedBody(name, joint, placement, masses.bounded_mass, masses.bounded_com, inertia)
         )
     return bodies
+
+
+def _need_mass(
+    chosen: Selection, joints: tuple[PlacedJoint, ...], bodies: list[PlacedBody]
+) -> None:
+    """Refuses a joint without drive behind which nothing has mass: an arm without its figures."""
+    loaded = {body.joint for body in bodies}
+    for index in range(len(joints) - 1, -1, -1):
+        joint = joints[index]
+        if index in loaded:
+            loaded.add(joint.parent)
+        elif joint.item.rotor_inertia is None:
+            links = [name for name, (owner, _) in chosen.frames.items() if owner == index]
+            raise joint.item.where.error(
+                f"joint {joint.name}",
+                f"no link behind it has mass ({', '.join(links)}); what moves has mass and "
+                "inertia; complete the <inertial>, give it in an assembly file (links: "
+                f"{{{links[0]}: {{mass: ..., com: ..., inertia: ...}}}}), or freeze the joint with "
+                f"--lock {joint.name}=VALUE",
+            )
 
 
 def _placeholders(description: Description, chosen: Selection) -> list[str]:

@@ -10,17 +10,18 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TypeVar
 
-from modrobust.formats import JointItem, ListNode, MapNode, Node, ScalarNode, Where
+from modrobust.formats import JointItem, ListNode, MapNode, Node, Quantity, ScalarNode, Where
 from modrobust.formats.bodies import Masses, Six, read_inertia, read_masses
 from modrobust.formats.fields import Part, check
 from modrobust.formats.joints import read_joint
-from modrobust.formats.models import InertiaModel, JointModel
-from modrobust.formats.overlay import JointOverlay, LinkOverlay
+from modrobust.formats.models import JointModel
+from modrobust.formats.part_models import InertiaModel, JointOverlay, LinkOverlay
 from modrobust.formats.tolerance import Tolerances
 from modrobust.urdf_reader import Inertial, Joint, Link, Number
 
 P = TypeVar("P", bound=Part)
 
+_ZERO = Quantity(0.0, 0.0, 0.0, bounded=False)
 _ENTRIES = ("xx", "xy", "xz", "yy", "yz", "zz")
 
 
@@ -32,6 +33,13 @@ def is_frame(link: Link, overlay: LinkOverlay | None) -> bool:
     return inertial is None or not (
         inertial.mass.value or any(entry.value for entry in inertial.tensor)
     )
+
+
+def is_point(link: Link, overlay: LinkOverlay | None) -> bool:
+    """Whether a link has mass and a tensor of six zeros, and no overlay gives another."""
+    overlaid = overlay is not None and overlay.inertia is not None
+    inertial = link.inertial
+    return not overlaid and inertial is not None and not any(x.value for x in inertial.tensor)
 
 
 def read_body(
@@ -70,6 +78,8 @@ def read_body(
         )
     prefix = f"{owner}, "
     masses = read_masses(mass, com, prefix, tolerances)
+    if is_point(link, overlay):
+        return masses, (_ZERO,) * 6, in_inertial_frame, True
     model = _model(InertiaModel, tensor, owner)
     inertia, physical = read_inertia(model, masses, prefix, tolerances)
     return masses, inertia, in_inertial_frame, physical

@@ -7,6 +7,7 @@ smaller robot and a wrong parent as none; everything here is either right or ref
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -15,6 +16,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from modrobust.errors import DescriptionError
 from modrobust.formats import ScalarNode, Where
 from modrobust.formats.nodes import shown
 from modrobust.formats.structure import did_you_mean
@@ -134,7 +136,7 @@ def read_description(root: Element) -> Description:
     notes: list[str] = []
     for child in root.children:
         if child.tag not in _ROBOT and ":" not in child.tag:
-            hint = did_you_mean(child.tag, ("link", "joint", "transmission"))
+            hint = _slip(child.tag, ("link", "joint", "transmission"))
             if hint:
                 raise child.where.error(
                     "robot", f"unknown element <{child.tag}>; {hint}correct or remove it"
@@ -191,7 +193,7 @@ def _structured(
         cycle = _cycle(next(iter(links)), above)
         raise above[cycle[0]].where.error(
             f"joint {above[cycle[0]].name}",
-            f"a loop of links: {' -> '.join([*cycle, cycle[0]])}; a robot is a tree with one root; "
+            f"a loop of links: {' -> '.join([cycle[-1], *cycle])}; a robot is a tree with one root; "
             "cut the loop",
         )
     if len(roots) > 1:
@@ -212,7 +214,7 @@ def _structured(
         cycle = _cycle(lost[0], above)
         raise above[cycle[0]].where.error(
             f"joint {above[cycle[0]].name}",
-            f"a loop of links: {' -> '.join([*cycle, cycle[0]])}; a robot is a tree with one root; "
+            f"a loop of links: {' -> '.join([cycle[-1], *cycle])}; a robot is a tree with one root; "
             "cut the loop",
         )
     name = _name(root)
@@ -265,13 +267,20 @@ def _known(
     Elements and attributes of other tools' dialects stand in many files and change nothing here.
     """
     for child in element.children:
-        if child.tag not in children and (hint := did_you_mean(child.tag, children)):
+        if child.tag not in children and (hint := _slip(child.tag, children)):
             raise child.where.error(owner, f"unknown element <{child.tag}>; {hint}correct it")
     for key in element.attributes:
-        if key not in attributes and (hint := did_you_mean(key, attributes)):
+        if key not in attributes and (hint := _slip(key, attributes)):
             raise element.where.error(
                 owner, f'unknown attribute "{key}" of <{element.tag}>; {hint}correct it'
             )
+
+
+def _slip(name: str, known: Sequence[str]) -> str:
+    """``did you mean "x"? `` where a letter or two make the difference, else nothing."""
+    alike = [word for word in known if abs(len(word) - len(name)) <= 2]
+    close = difflib.get_close_matches(name[:_MAX_NAME], alike, 1, 0.7)
+    return f'did you mean "{close[0]}"? ' if close else ""
 
 
 def _number(element: Element, key: str, text: str, owner: str) -> Number:
@@ -492,7 +501,13 @@ def _reductions(root: Element, notes: list[str]) -> dict[str, Number]:
                 "from one motor to one joint are used; its reduction is left out"
             )
             continue
-        number = _number(given[0], "mechanicalReduction", given[0].text, owner)
+        try:
+            number = _number(given[0], "mechanicalReduction", given[0].text, owner)
+        except DescriptionError as problem:
+            # Placeholders such as "reduction" stand in real files; without a rotor inertia, which
+            # a URDF cannot give, the number acts on nothing.
+            notes.append(f"{problem.field}: left out: {problem.message}")
+            continue
         if number.value == 0.0:
             raise given[0].where.error(
                 owner, "mechanicalReduction is 0; motor over joint is not 0; correct it"

@@ -9,8 +9,8 @@ ASSEMBLY_CASES = [
         "paylod:",
         (
             'r.yaml:8: unknown key "paylod"; did you mean "payload"? known: modrobust, '
-            "robot, source, notes, modules, base, gravity, chain, payload, disturbance, "
-            "controller, trajectory, initial, scenarios"
+            "robot, source, notes, modules, base, gravity, chain, urdf, base_link, tip_link, lock, "
+            "links, joints, tolerance, payload, disturbance, controller, trajectory, initial, scenarios"
         ),
     ),
     (

@@ -27,14 +27,16 @@ from modrobust.formats.models import (
     TrajectoryEntry,
 )
 from modrobust.formats.module import ModuleFields, check_kind, check_stem, nested_item
-from modrobust.formats.nodes import ListNode, Node
+from modrobust.formats.nodes import ListNode, Node, ScalarNode
+from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.perjoint import PerJoint
 from modrobust.formats.quantity import Quantity, parse_point, parse_vector
 from modrobust.formats.reader import read_description
 from modrobust.formats.span import points, pose_matrix
 from modrobust.formats.tolerance import Tolerances
 
-_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
+GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
+_URDF_KEYS = ("base_link", "tip_link", "lock", "links", "joints", "tolerance")
 _ZERO = Quantity(0.0, 0.0, 0.0, bounded=False)
 
 
@@ -62,10 +64,10 @@ def load_assembly(path: str | Path) -> Assembly:
         modules=_directories(model, directory),
         base=pose_matrix(base.xyz if base else None, base.rpy if base else None, "base"),
         gravity=(
-            _GRAVITY if model.gravity is None else points(model.gravity, "acceleration", "gravity")
+            GRAVITY if model.gravity is None else points(model.gravity, "acceleration", "gravity")
         ),
         chain=_chain(model),
-        payload=_payload(model.payload, notes),
+        payload=None if model.payload is None else read_payload(model.payload, notes),
         disturbance=_per_joint(model.disturbance, "disturbance", "effort", bounds=True),
         controller=_controller(model.controller),
         trajectory=_trajectory(model.trajectory, directory),
@@ -75,6 +77,7 @@ def load_assembly(path: str | Path) -> Assembly:
         ),
         scenarios={name: dict(scenario.set) for name, scenario in scenarios.items()},
         where=model.where,
+        urdf=_urdf(model, directory),
         source=model.source or (),
         notes=tuple(notes),
         scenario_notes={
@@ -97,7 +100,43 @@ def _directories(model: AssemblyModel, directory: Path) -> tuple[Path, ...]:
     return found
 
 
+def _urdf(model: AssemblyModel, directory: Path) -> UrdfSource | None:
+    """The URDF and its overlays; exactly one of chain and urdf is written."""
+    node = model.node
+    if model.urdf is None:
+        for key in _URDF_KEYS:
+            if key in node.entries:
+                raise node.place(key).error(
+                    key, "without urdf; it belongs to a robot that a URDF describes; remove it"
+                )
+        if model.chain is None:
+            raise model.where.error(
+                "", 'neither "chain" nor "urdf"; a robot is one of them; add chain'
+            )
+        return None
+    for key in ("chain", "modules"):
+        if key in node.entries:
+            raise node.place(key).error(
+                key, "beside urdf; a robot is of modules or of a URDF; remove one"
+            )
+    ends = (node.entries.get(key) for key in ("base_link", "tip_link"))
+    base_link, tip_link = (end if isinstance(end, ScalarNode) else None for end in ends)
+    return UrdfSource(
+        file=model.urdf,
+        where=node.entries["urdf"].where,
+        directory=directory,
+        base_link=base_link,
+        tip_link=tip_link,
+        lock=dict(model.lock or {}),
+        links=dict(model.links or {}),
+        joints=dict(model.joints or {}),
+        tolerance=model.tolerance,
+    )
+
+
 def _chain(model: AssemblyModel) -> tuple[NestedItem, ...]:
+    if model.chain is None:
+        return ()
     node = model.node.entries["chain"]
     if not model.chain or not isinstance(node, ListNode):
         raise node.where.error("chain", "an empty list; a robot has at least one module; add one")
@@ -109,9 +148,12 @@ def _chain(model: AssemblyModel) -> tuple[NestedItem, ...]:
     )
 
 
-def _payload(model: PayloadModel | None, notes: list[str]) -> Payload | None:
-    if model is None:
-        return None
+def read_payload(model: PayloadModel, notes: list[str]) -> Payload:
+    """The payload; what it says of its bounds is added to `notes`.
+
+    Raises:
+        DescriptionError: Figures that no body has.
+    """
     tolerances = Tolerances(None)
     masses = read_masses(model.mass, model.com, "payload.", tolerances)
     if model.inertia is not None and model.size is not None:

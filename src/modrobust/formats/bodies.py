@@ -13,8 +13,8 @@ from modrobust.formats.inertia import (
     largest_principal_moment,
     moved_to_com,
 )
-from modrobust.formats.models import InertiaModel
 from modrobust.formats.nodes import Node
+from modrobust.formats.part_models import InertiaModel
 from modrobust.formats.quantity import Quantity, Written, parse_vector, parse_written
 from modrobust.formats.tolerance import Tolerances
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.formats.nodes import Node, Where
+from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.perjoint import PerJoint
 from modrobust.formats.quantity import Quantity
 
@@ -180,3 +181,4 @@ class Assembly:
     source: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     scenario_notes: Mapping[str, str] = field(default_factory=dict)
+    urdf: UrdfSource | None = None  # in place of a chain

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from modrobust.formats.items import JointItem
-from modrobust.formats.models import JointModel, LimitsModel
+from modrobust.formats.models import JointModel
 from modrobust.formats.nodes import ListNode, Node, kind_of
+from modrobust.formats.part_models import LimitsModel
 from modrobust.formats.quantity import Quantity, parse_point, parse_written
 from modrobust.formats.tolerance import Tolerances
 

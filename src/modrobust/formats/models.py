@@ -10,7 +10,6 @@ from modrobust.formats.fields import (
     Anything,
     Flag,
     Name,
-    Pair,
     Part,
     PerJointValue,
     Point,
@@ -26,6 +25,15 @@ from modrobust.formats.fields import (
     refuse,
 )
 from modrobust.formats.nodes import MapNode, Node, ScalarNode, kind_of
+from modrobust.formats.part_models import (
+    DriveModel,
+    FrictionModel,
+    InertiaModel,
+    JointOverlay,
+    LimitsModel,
+    LinkOverlay,
+    ToleranceModel,
+)
 from modrobust.formats.structure import did_you_mean
 
 ENTRY_KINDS = ("joint", "body", "frame", "module")
@@ -71,35 +79,6 @@ class SpanModel(Part):
     )
 
 
-class LimitsModel(Part):
-    """Limits of a joint."""
-
-    position: Pair | None = Field(None, description="[lo, hi] [rad] or [m]")
-    velocity: Point | None = Field(None, description="Largest speed [rad/s] or [m/s]")
-    torque: Point | None = Field(None, description="Largest torque [N m], revolute joints")
-    force: Point | None = Field(None, description="Largest force [N], prismatic joints")
-    acceleration: Point | None = Field(None, description="[rad/s^2] or [m/s^2]")
-
-
-class DriveModel(Part):
-    """Drive of a joint, motor side."""
-
-    gear_ratio: Point | None = Field(
-        None, description="Motor over joint; [rad/m] for prismatic joints"
-    )
-    rotor_inertia: Value | None = Field(None, description="Rotor inertia, motor side [kg m^2]")
-
-
-class FrictionModel(Part):
-    """Friction of a joint, joint side."""
-
-    viscous: Value | None = Field(None, description="[N m s/rad] or [N s/m]")
-    coulomb: Value | None = Field(None, description="[N m] or [N]")
-    coulomb_speed: Point | None = Field(
-        None, description="Speed v_c of the smooth sign dq / sqrt(dq^2 + v_c^2), default 1e-3"
-    )
-
-
 class JointModel(Part):
     """A joint about or along z of the current frame."""
 
@@ -110,20 +89,6 @@ class JointModel(Part):
     limits: LimitsModel | None = Field(None, description="Limits")
     drive: DriveModel | None = Field(None, description="Drive, motor side")
     friction: FrictionModel | None = Field(None, description="Friction, joint side")
-
-
-class InertiaModel(Part):
-    """Tensor entries [kg m^2], products with their minus sign."""
-
-    about: Annotated[str, choice("com", "frame")] | None = Field(
-        None, description="Reference point, default com"
-    )
-    xx: Value = Field(description="Tensor entry xx [kg m^2]")
-    yy: Value = Field(description="Tensor entry yy [kg m^2]")
-    zz: Value = Field(description="Tensor entry zz [kg m^2]")
-    xy: Value | None = Field(None, description="Tensor entry xy [kg m^2], default 0")
-    xz: Value | None = Field(None, description="Tensor entry xz [kg m^2], default 0")
-    yz: Value | None = Field(None, description="Tensor entry yz [kg m^2], default 0")
 
 
 class BodyModel(Part):
@@ -195,17 +160,6 @@ ChainEntry = Annotated[
     Discriminator(_kind),
     BeforeValidator(_one_kind),
 ]
-
-
-class ToleranceModel(Part):
-    """Bounds for parameters that have none of their own: per cent or absolute."""
-
-    mass: Point | None = Field(None, description="x% or [kg]")
-    com: Point | None = Field(None, description="x% of each entry or [m]")
-    inertia: Point | None = Field(None, description="x% of the largest principal moment, [kg m^2]")
-    rotor_inertia: Point | None = Field(None, description="x% or [kg m^2]")
-    viscous: Point | None = Field(None, description="x% or [N m s/rad] or [N s/m]")
-    coulomb: Point | None = Field(None, description="x% or [N m] or [N]")
 
 
 class ConnectorModel(Part):
@@ -373,7 +327,24 @@ class AssemblyModel(Part):
     )
     base: BaseFrameModel | None = Field(None, description="World to the base frame")
     gravity: Points | None = Field(None, description="[m/s^2], default [0, 0, -9.81], world axes")
-    chain: Annotated[list[Mounted], as_list] = Field(description="Modules from base to tip")
+    chain: Annotated[list[Mounted], as_list] | None = Field(
+        None, description="Modules from base to tip; or urdf"
+    )
+    urdf: Text | None = Field(
+        None, description="URDF in place of a chain: a file, or package:NAME/PATH"
+    )
+    base_link: Text | None = Field(None, description="URDF: link that the robot stands on")
+    tip_link: Text | None = Field(None, description="URDF: link where the chain ends")
+    lock: Annotated[dict[str, Anything], as_dict] | None = Field(
+        None, description="URDF: joint to the position [rad] or [m] that it is frozen at"
+    )
+    links: Annotated[dict[str, LinkOverlay], as_dict] | None = Field(
+        None, description="URDF: what replaces the inertials, by link"
+    )
+    joints: Annotated[dict[str, JointOverlay], as_dict] | None = Field(
+        None, description="URDF: limits, drive and friction, by joint"
+    )
+    tolerance: ToleranceModel | None = Field(None, description="URDF: default bounds")
     payload: PayloadModel | None = Field(None, description="Payload")
     disturbance: PerJointValue | None = Field(None, description="[N m] or [N] per joint, bounds")
     controller: ControllerModel | None = Field(None, description="Controller settings")

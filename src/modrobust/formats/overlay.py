@@ -1,52 +1,13 @@
-"""What an assembly file says about a robot that a URDF describes: selection, locks, overlays."""
+"""A URDF with what an assembly file lays over it: selection, locks, overlays, tolerance."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
 
-from pydantic import Field
-
-from modrobust.formats.fields import Part, Value, Vector, choice
-from modrobust.formats.models import (
-    DriveModel,
-    FrictionModel,
-    LimitsModel,
-    ToleranceModel,
-)
 from modrobust.formats.nodes import Node, ScalarNode, Where
-
-
-class InertiaOverlay(Part):
-    """Tensor entries [kg m^2] that replace those of the URDF."""
-
-    about: Annotated[str, choice("com", "frame")] | None = Field(
-        None, description="Reference point, default com"
-    )
-    xx: Value | None = Field(None, description="Tensor entry xx [kg m^2]")
-    yy: Value | None = Field(None, description="Tensor entry yy [kg m^2]")
-    zz: Value | None = Field(None, description="Tensor entry zz [kg m^2]")
-    xy: Value | None = Field(None, description="Tensor entry xy [kg m^2]")
-    xz: Value | None = Field(None, description="Tensor entry xz [kg m^2]")
-    yz: Value | None = Field(None, description="Tensor entry yz [kg m^2]")
-
-
-class LinkOverlay(Part):
-    """What replaces the inertial of a link; com and inertia in the axes of the link."""
-
-    mass: Value | None = Field(None, description="Mass [kg]")
-    com: Vector | None = Field(None, description="Centre of mass in the link frame [m]")
-    inertia: InertiaOverlay | None = Field(None, description="Inertia tensor [kg m^2]")
-
-
-class JointOverlay(Part):
-    """What a URDF cannot say about a joint, or what replaces what it says."""
-
-    limits: LimitsModel | None = Field(None, description="Limits")
-    drive: DriveModel | None = Field(None, description="Drive, motor side")
-    friction: FrictionModel | None = Field(None, description="Friction, joint side")
+from modrobust.formats.part_models import JointOverlay, LinkOverlay, ToleranceModel
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 
 from modrobust.formats.exact import Enclosure
-from modrobust.formats.models import ToleranceModel
 from modrobust.formats.nodes import Node, ScalarNode, shown
 from modrobust.formats.number import NumberError
+from modrobust.formats.part_models import ToleranceModel
 from modrobust.formats.quantity import Written, parse_percent, parse_written
 
 _DIMENSIONS = {

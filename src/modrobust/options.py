@@ -1,0 +1,94 @@
+"""What is said on the command line, or as keywords, about a robot: laid over its description."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from modrobust.errors import ValueRangeError
+from modrobust.formats import Assembly, Controller, MapNode, ScalarNode, Where
+from modrobust.formats.assembly import GRAVITY, read_payload
+from modrobust.formats.fields import check
+from modrobust.formats.inline import parse_inline
+from modrobust.formats.models import PayloadModel
+from modrobust.formats.module import ModuleFields
+from modrobust.formats.overlay import UrdfSource
+from modrobust.formats.part_models import ToleranceModel
+
+
+def urdf_assembly(path: Path) -> Assembly:
+    """The description that a URDF alone is: no bounds, no payload, everything else default."""
+    where = Where(str(path), 1)
+    return Assembly(
+        name="",  # the URDF's own
+        file=path,
+        modules=(),
+        base=np.eye(4),
+        gravity=GRAVITY,
+        chain=(),
+        payload=None,
+        disturbance=None,
+        controller=Controller(),
+        trajectory=None,
+        initial_q=None,
+        initial_dq=None,
+        scenarios={},
+        where=where,
+        urdf=UrdfSource(str(path), where),
+    )
+
+
+def with_options(
+    description: Assembly,
+    base: str | None,
+    tip: str | None,
+    lock: Mapping[str, float | str],
+    tolerance: str | None,
+    payload: str | None,
+) -> Assembly:
+    """The description with options laid over it; an option counts more than the file.
+
+    Raises:
+        ValueRangeError: An option is not of its form, or fits no robot of modules.
+        DescriptionError: An option says something that it must not.
+    """
+    if payload is not None:
+        description = _with_payload(description, payload)
+    given = {"base": base, "tip": tip, "lock": lock or None, "tolerance": tolerance}
+    used = [name for name, value in given.items() if value is not None]
+    if not used:
+        return description
+    source = description.urdf
+    if source is None:
+        raise ValueRangeError(
+            f"--{used[0]}: {description.file} describes a robot of modules; this option is for "
+            "robots that a URDF describes; change the file"
+        )
+    if base is not None:
+        source = replace(source, base_link=ScalarNode(base, Where("--base", None)))
+    if tip is not None:
+        source = replace(source, tip_link=ScalarNode(tip, Where("--tip", None)))
+    where = Where("--lock", None)
+    nodes = {name: ScalarNode(str(value), where) for name, value in lock.items()}
+    source = replace(source, lock={**source.lock, **nodes})
+    if tolerance is not None:
+        node = parse_inline(tolerance, "--tolerance")
+        model = check(ToleranceModel, node, _name_tolerance)
+        source = replace(source, tolerance=model)
+    return replace(description, urdf=source)
+
+
+def _name_tolerance(location: tuple[int | str, ...]) -> str:
+    return ".".join(["tolerance", *(str(step) for step in location)])
+
+
+def _with_payload(description: Assembly, text: str) -> Assembly:
+    node = parse_inline(text, "--payload")
+    fields = ModuleFields(MapNode({"payload": node}, node.where))
+    model = check(PayloadModel, node, lambda location: fields.name(("payload", *location)))
+    notes: list[str] = []
+    payload = read_payload(model, notes)
+    return replace(description, payload=payload, notes=(*description.notes, *notes))
