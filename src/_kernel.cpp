@@ -59,25 +59,32 @@ class Model {
   public:
     Model(const Ints &joint_type, const Ints &parent, const Stack &before, const Stack &after,
           const Vec &gravity, const Ints &body_joint, const Stack &placement,
-          const Vec &gear_ratio, const Vec &coulomb_speed)
+          const Vec &gear_ratio, const Vec &coulomb_speed, const Ints &leader,
+          const Vec &multiplier, const Vec &offset)
         : types(ints(joint_type)), parents(ints(parent)), befores(transforms(before)),
           afters(transforms(after)), joints(ints(body_joint)), placements(transforms(placement)),
-          ratios(doubles(gear_ratio)), speeds(doubles(coulomb_speed)) {
-        const size_t n = types.size(), b = joints.size();
-        require(n > 0 && parents.size() == n && befores.size() == n && afters.size() == n &&
-                    ratios.size() == n && speeds.size() == n && placements.size() == b &&
-                    gravity.size() == 3,
+          ratios(doubles(gear_ratio)), speeds(doubles(coulomb_speed)), leaders(ints(leader)),
+          multipliers(doubles(multiplier)), offsets(doubles(offset)) {
+        const size_t j = types.size(), b = joints.size(), followers = leaders.size();
+        require(j > followers && parents.size() == j && befores.size() == j &&
+                    afters.size() == j && ratios.size() == j && speeds.size() == j &&
+                    placements.size() == b && gravity.size() == 3 &&
+                    multipliers.size() == followers && offsets.size() == followers,
                 "Model: arrays of joints and bodies differ in length");
-        for (size_t i = 0; i < n; ++i) {
+        const size_t free = j - followers;
+        for (int32_t l : leaders)
+            require(l >= 0 && l < static_cast<int32_t>(free), "Model: a leader is a free joint");
+        for (size_t i = 0; i < j; ++i) {
             require(parents[i] >= -1 && parents[i] < static_cast<int32_t>(i),
                     "Model: a joint's parent must come before it");
             require(types[i] == MR_REVOLUTE || types[i] == MR_PRISMATIC,
                     "Model: joint types are 0 (revolute) and 1 (prismatic)");
         }
         for (int32_t joint : joints)
-            require(joint >= -1 && joint < static_cast<int32_t>(n),
+            require(joint >= -1 && joint < static_cast<int32_t>(j),
                     "Model: a body's joint must exist");
-        c.n = static_cast<int32_t>(n);
+        c.n = static_cast<int32_t>(free);
+        c.j = static_cast<int32_t>(j);
         c.b = static_cast<int32_t>(b);
         c.joint_type = types.data();
         c.parent = parents.data();
@@ -87,6 +94,9 @@ class Model {
         c.placement = placements.data();
         c.gear_ratio = ratios.data();
         c.coulomb_speed = speeds.data();
+        c.leader = leaders.data();
+        c.multiplier = multipliers.data();
+        c.offset = offsets.data();
         std::memcpy(c.gravity, gravity.data(), sizeof c.gravity);
     }
     Model(const Model &) = delete;
@@ -97,7 +107,7 @@ class Model {
                                         " entries, got " + std::to_string(v.size()));
     }
     void require_parameters(const Vec &v) const {
-        require(v.size() == mr_parameters_size(c.n, c.b), "parameters: wrong packed length");
+        require(v.size() == mr_parameters_size(&c), "parameters: wrong packed length");
     }
     size_t n() const { return static_cast<size_t>(c.n); }
 
@@ -109,6 +119,8 @@ class Model {
     std::vector<int32_t> joints;
     std::vector<mr_transform> placements;
     Doubles ratios, speeds;
+    std::vector<int32_t> leaders;
+    Doubles multipliers, offsets;
 };
 
 // The known box of parameters and disturbance; borrows the arrays or owns copies of them.
@@ -117,9 +129,9 @@ class Bounds {
     Bounds(const Model &model, const Vec &nominal, const Vec &lower, const Vec &upper,
            const double *disturbance) {
         for (const Vec *v : {&nominal, &lower, &upper}) model.require_parameters(*v);
-        c.nominal = mr_parameters_view(model.c.n, model.c.b, nominal.data());
-        c.lower = mr_parameters_view(model.c.n, model.c.b, lower.data());
-        c.upper = mr_parameters_view(model.c.n, model.c.b, upper.data());
+        c.nominal = mr_parameters_view(&model.c, nominal.data());
+        c.lower = mr_parameters_view(&model.c, lower.data());
+        c.upper = mr_parameters_view(&model.c, upper.data());
         c.disturbance_lo = disturbance;
         c.disturbance_hi = disturbance ? disturbance + model.c.n : nullptr;
         uncertain.resize(static_cast<size_t>(model.c.b));
@@ -149,8 +161,8 @@ Out inverse_dynamics(const Model &model, const Vec &parameters, const Vec &q, co
                      const Vec &dq_a, const Vec &ddq_a, bool drives) {
     model.require_parameters(parameters);
     require_state(model, q, dq, dq_a, ddq_a);
-    const mr_parameters view = mr_parameters_view(model.c.n, model.c.b, parameters.data());
-    Doubles workspace(mr_workspace_size(model.c.n, model.c.b)), tau(model.n());
+    const mr_parameters view = mr_parameters_view(&model.c, parameters.data());
+    Doubles workspace(mr_workspace_size(&model.c)), tau(model.n());
     check(mr_inverse_dynamics(&model.c, &view, q.data(), dq.data(), dq_a.data(), ddq_a.data(),
                               drives, workspace.data(), tau.data()));
     return numpy(std::move(tau), {model.n()});
@@ -161,7 +173,7 @@ Out inverse_dynamics_bounds(const Model &model, const Vec &nominal, const Vec &l
                             const Vec &ddq_a, int method, bool drives) {
     require_state(model, q, dq, dq_a, ddq_a);
     const Bounds bounds(model, nominal, lower, upper, nullptr);
-    Doubles workspace(mr_workspace_size(model.c.n, model.c.b)), out(2 * model.n());
+    Doubles workspace(mr_workspace_size(&model.c)), out(2 * model.n());
     check(mr_inverse_dynamics_bounds(&model.c, &bounds.c, method_of(method), q.data(), dq.data(),
                                      dq_a.data(), ddq_a.data(), drives, workspace.data(),
                                      out.data(), out.data() + model.n()));
@@ -175,7 +187,7 @@ Out perturbation_bounds(const Model &model, const Vec &nominal, const Vec &lower
     require(disturbance.shape(0) == 2 && disturbance.shape(1) == model.n(),
             "disturbance: expected shape (2, n)");
     const Bounds bounds(model, nominal, lower, upper, disturbance.data());
-    Doubles workspace(mr_workspace_size(model.c.n, model.c.b)), u0(model.n()), out(2 * model.n());
+    Doubles workspace(mr_workspace_size(&model.c)), u0(model.n()), out(2 * model.n());
     check(mr_perturbation_bounds(&model.c, &bounds.c, method_of(method), q.data(), dq.data(),
                                  dq_a.data(), ddq_a.data(), workspace.data(), u0.data(),
                                  out.data(), out.data() + model.n()));
@@ -185,8 +197,8 @@ Out perturbation_bounds(const Model &model, const Vec &nominal, const Vec &lower
 Out mass_matrix(const Model &model, const Vec &parameters, const Vec &q, bool drives) {
     model.require_parameters(parameters);
     model.require_joints(q, "q");
-    const mr_parameters view = mr_parameters_view(model.c.n, model.c.b, parameters.data());
-    Doubles workspace(mr_dynamics_workspace_size(model.c.n, model.c.b)), M(model.n() * model.n());
+    const mr_parameters view = mr_parameters_view(&model.c, parameters.data());
+    Doubles workspace(mr_dynamics_workspace_size(&model.c)), M(model.n() * model.n());
     check(mr_mass_matrix(&model.c, &view, q.data(), drives, workspace.data(), M.data()));
     return numpy(std::move(M), {model.n(), model.n()});
 }
@@ -197,8 +209,8 @@ Out forward_dynamics(const Model &model, const Vec &parameters, const Vec &q, co
     model.require_joints(q, "q");
     model.require_joints(dq, "dq");
     model.require_joints(tau, "tau");
-    const mr_parameters view = mr_parameters_view(model.c.n, model.c.b, parameters.data());
-    Doubles workspace(mr_dynamics_workspace_size(model.c.n, model.c.b)), ddq(model.n());
+    const mr_parameters view = mr_parameters_view(&model.c, parameters.data());
+    Doubles workspace(mr_dynamics_workspace_size(&model.c)), ddq(model.n());
     check(mr_forward_dynamics(&model.c, &view, q.data(), dq.data(), tau.data(), drives,
                               workspace.data(), ddq.data()));
     return numpy(std::move(ddq), {model.n()});
@@ -206,10 +218,11 @@ Out forward_dynamics(const Model &model, const Vec &parameters, const Vec &q, co
 
 Out forward_kinematics(const Model &model, const Vec &q) {
     model.require_joints(q, "q");
-    Doubles workspace(mr_workspace_size(model.c.n, model.c.b)), out(16 * model.n(), 0.0);
-    std::vector<mr_transform> frames(model.n());
+    const size_t j = static_cast<size_t>(model.c.j);
+    Doubles workspace(mr_workspace_size(&model.c)), out(16 * j, 0.0);
+    std::vector<mr_transform> frames(j);
     check(mr_forward_kinematics(&model.c, q.data(), workspace.data(), frames.data()));
-    for (size_t i = 0; i < model.n(); ++i) {
+    for (size_t i = 0; i < j; ++i) {
         double *T = out.data() + 16 * i;
         for (int r = 0; r < 3; ++r) {
             std::memcpy(T + 4 * r, frames[i].R + 3 * r, 3 * sizeof(double));
@@ -217,7 +230,7 @@ Out forward_kinematics(const Model &model, const Vec &q) {
         }
         T[15] = 1.0;
     }
-    return numpy(std::move(out), {model.n(), 4, 4});
+    return numpy(std::move(out), {j, 4, 4});
 }
 
 nb::tuple sine_cosine(double x) {
@@ -241,7 +254,7 @@ class Controller {
                 "disturbance: expected shape (2, n)");
         gains = {arrays[3].data(), kappa_P, kappa_I, phi_P,
                  phi_I, epsilon, static_cast<mr_law>(law), method_of(method)};
-        workspace.resize(mr_workspace_size(model.c.n, model.c.b));
+        workspace.resize(mr_workspace_size(&model.c));
     }
 
     Out command(double t, const Vec &q, const Vec &dq, const Vec &q_des, const Vec &dq_des,
@@ -326,7 +339,7 @@ class Loop {
         c.tau_previous = tau_previous.data();
         c.tau_max = tau_max.data();
         c.total_variation = total_variation.data();
-        workspace.resize(mr_loop_workspace_size(model.c.n, model.c.b));
+        workspace.resize(mr_loop_workspace_size(&model.c));
     }
 
     nb::dict advance(const Mat &q_des, const Mat &dq_des, const Mat &ddq_des, int log_every) {
@@ -346,7 +359,7 @@ class Loop {
                            data[3].data(),  data[4].data(), data[5].data(),  data[6].data(),
                            data[7].data(),  data[8].data(), data[9].data(),  data[10].data(),
                            data[11].data(), data[12].data()};
-        const mr_parameters view = mr_parameters_view(model.c.n, model.c.b, parameters.data());
+        const mr_parameters view = mr_parameters_view(&model.c, parameters.data());
         int32_t logged = 0;
         {
             nb::gil_scoped_release release;
@@ -396,9 +409,11 @@ NB_MODULE(_kernel, m) {
 
     nb::class_<Model>(m, "Model")
         .def(nb::init<const Ints &, const Ints &, const Stack &, const Stack &, const Vec &,
-                      const Ints &, const Stack &, const Vec &, const Vec &>(),
+                      const Ints &, const Stack &, const Vec &, const Vec &, const Ints &,
+                      const Vec &, const Vec &>(),
              "joint_type"_a, "parent"_a, "before"_a, "after"_a, "gravity"_a, "body_joint"_a,
-             "placement"_a, "gear_ratio"_a, "coulomb_speed"_a)
+             "placement"_a, "gear_ratio"_a, "coulomb_speed"_a, "leader"_a, "multiplier"_a,
+             "offset"_a)
         .def_prop_ro("n", [](const Model &model) { return model.c.n; })
         .def_prop_ro("b", [](const Model &model) { return model.c.b; });
 

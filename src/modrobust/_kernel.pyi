@@ -35,6 +35,9 @@ class Model:
         placement: _Array,
         gear_ratio: _Array,
         coulomb_speed: _Array,
+        leader: _Ints,
+        multiplier: _Array,
+        offset: _Array,
     ) -> None: ...
     @property
     def n(self) -> int: ...

@@ -227,7 +227,7 @@ def random_tightness(robot: Robot, states: int = 1000, seed: int = 0) -> Tightne
     """
     rng = np.random.default_rng(seed)
     n = robot.n
-    revolute = np.array([kind == "revolute" for kind in robot.joint_types])
+    revolute = np.array([kind == "revolute" for kind in robot.joint_types[: robot.n]])
     reach = np.where(revolute, np.pi, 0.5)  # [rad], [m]
     lo, hi = robot.position_limits.T
     q = rng.uniform(

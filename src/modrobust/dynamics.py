@@ -44,7 +44,7 @@ def inverse_dynamics(
         dq_a: Auxiliary (reference) velocities (n,) [rad/s].
         ddq_a: Auxiliary accelerations (n,) [rad/s^2].
         parameters: Dynamic parameters; None = the robot's nominal ones.
-        drives: Whether friction (19) and reflected rotor inertia (20) are included.
+        drives: Whether friction (20) and reflected rotor inertia (21) are included.
 
     Returns:
         Joint torques (n,) [N m].
@@ -70,7 +70,7 @@ def inverse_dynamics_bounds(
 ) -> tuple[Array, Array]:
     r"""Bounds of `inverse_dynamics` over every parameter point inside the robot's bounds.
 
-    ``hull`` is the range itself, joint by joint, (16) to (18); ``ianea`` is the paper's interval
+    ``hull`` is the range itself, joint by joint, (17) to (19); ``ianea`` is the paper's interval
     arithmetic, linear in n and wider.
 
     Args:
@@ -80,7 +80,7 @@ def inverse_dynamics_bounds(
         dq_a: Auxiliary velocities (n,) [rad/s].
         ddq_a: Auxiliary accelerations (n,) [rad/s^2].
         method: "hull" or "ianea".
-        drives: Whether friction (19) and reflected rotor inertia (20) are included.
+        drives: Whether friction (20) and reflected rotor inertia (21) are included.
 
     Returns:
         Lower and upper bounds (n,), (n,) [N m]. Equal where every parameter is exact.
@@ -150,7 +150,7 @@ def perturbation_bounds(
 def mass_matrix(
     robot: Robot, q: ArrayLike, parameters: Parameters | None = None, drives: bool = True
 ) -> Array:
-    r"""Joint-space mass matrix M(q), symmetric and positive definite, (21).
+    r"""Joint-space mass matrix M(q), symmetric and positive definite, (22).
 
     Args:
         robot: Robot with n joints.
@@ -179,7 +179,7 @@ def forward_dynamics(
     parameters: Parameters | None = None,
     drives: bool = True,
 ) -> Array:
-    r"""Accelerations of the robot under joint torques, (22) without disturbance.
+    r"""Accelerations of the robot under joint torques, (23) without disturbance.
 
     .. math:: \ddot q = M(q)^{-1} (\tau - C(q,\dot q)\,\dot q - g(q) - F_v\dot q - F_c s(\dot q))
 
@@ -213,7 +213,7 @@ def forward_kinematics(robot: Robot, q: ArrayLike) -> Array:
         q: Joint positions (n,) [rad].
 
     Returns:
-        Homogeneous transforms (n, 4, 4), link to base [m].
+        Homogeneous transforms (j, 4, 4), link to base [m]; j = n but for joints that follow others.
 
     Raises:
         ShapeError: q does not have n entries.
@@ -234,10 +234,10 @@ def _packed(robot: Robot, parameters: Parameters | None) -> Array:
     if parameters is None:
         return robot.nominal.packed
     shapes = (parameters.mass.shape, parameters.viscous.shape)
-    if shapes != ((robot.b,), (robot.n,)):
+    if shapes != ((robot.b,), (robot.j,)):
         raise ShapeError(
             f"parameters: made for {shapes[0][0]} bodies and {shapes[1][0]} joints;"
-            f' robot "{robot.name}" has {robot.b} and {robot.n}'
+            f' robot "{robot.name}" has {robot.b} and {robot.j}'
         )
     return parameters.packed
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 _LOGGED = ("q", "dq", "q_des", "dq_des", "ddq_des", "tau", "w", "phi_lo", "phi_hi", "rho")
 _WIDTHS = {"width_hull": _kernel.HULL, "width_ianea": _kernel.IANEA}
-_ROUNDING = 1e-10  # of the largest torque: what w may lie outside [Phi], see (23)
+_ROUNDING = 1e-10  # of the largest torque: what w may lie outside [Phi], see (24)
 
 
 class EngineLoop:

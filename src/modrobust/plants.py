@@ -4,7 +4,7 @@ r"""The true robot in an engine that is not ours: MuJoCo or Pinocchio, built fro
           + F_v \dot q + F_c\,s(\dot q) + k^2 I_m \ddot q = u + d
 
 The rigid-body terms are the engine's own. Coulomb friction is applied by us in its smooth form
-(19) at every stage of the integrator, since MuJoCo's ``frictionloss`` is a constraint and Pinocchio
+(20) at every stage of the integrator, since MuJoCo's ``frictionloss`` is a constraint and Pinocchio
 has none; so is viscous friction with Pinocchio, which has none in its forward dynamics.
 """
 

@@ -88,7 +88,7 @@ def report(robot: Robot, poses: int = POSES, seed: int = SEED) -> Report:
         links=_links(robot),
         joints=tuple(_joint(robot, i, float(torque[i])) for i in range(robot.n)),
         total_mass=_mass(robot, range(robot.b)),
-        reach=float(np.max(np.linalg.norm(_tips(robot, q), axis=1))),
+        reach=max(float(np.max(np.linalg.norm(tip, axis=1))) for tip in _tips(robot, q)),
         poses=poses,
         exact=exact_groups(robot),
         not_modelled=robot.not_modelled,
@@ -112,11 +112,11 @@ def exact_groups(robot: Robot) -> tuple[str, ...]:
 
 def _links(robot: Robot) -> tuple[LinkFigures, ...]:
     found = []
-    for i in range(-1, robot.n):
+    for i in range(-1, robot.j):
         members = [int(k) for k in np.flatnonzero(robot.body_joints == i)]
         if members or i >= 0:
             names = tuple(robot.body_names[k] for k in members)
-            joint = "base" if i < 0 else robot.joint_names[i]
+            joint = "base" if i < 0 else robot.all_joint_names[i]
             found.append(LinkFigures(joint, names, _mass(robot, members)))
     return tuple(found)
 
@@ -146,7 +146,7 @@ def _finite(value: float) -> float | None:
 
 def _poses(robot: Robot, count: int, seed: int) -> Array:
     """Poses ``(count, n)``, uniform within the limits; +-pi or +-1 m where there are none."""
-    prismatic = np.array([kind == "prismatic" for kind in robot.joint_types])
+    prismatic = np.array([kind == "prismatic" for kind in robot.joint_types[: robot.n]])
     free = np.where(prismatic, _FREE_STROKE, math.pi)
     lo = np.where(np.isfinite(robot.position_limits[:, 0]), robot.position_limits[:, 0], -free)
     hi = np.where(np.isfinite(robot.position_limits[:, 1]), robot.position_limits[:, 1], free)
@@ -158,7 +158,7 @@ def _pose_notes(robot: Robot) -> list[str]:
     return [
         f"{name}: no position limits; reach and torque searched within +-{_FREE_STROKE:g} m"
         for name, kind, limits in zip(
-            robot.joint_names, robot.joint_types, robot.position_limits, strict=True
+            robot.joint_names, robot.joint_types[: robot.n], robot.position_limits, strict=True
         )
         if kind == "prismatic" and not np.isfinite(limits).all()
     ]
@@ -177,10 +177,15 @@ def _static_torque(robot: Robot, q: Array) -> Array:
     return result
 
 
-def _tips(robot: Robot, q: Array) -> Array:
-    """Origins of the last link frame in the base frame, ``(k, 3)``, for poses ``(k, n)``."""
+def _tips(robot: Robot, q: Array) -> list[Array]:
+    """Origins ``(k, 3)`` in the base frame of the links that carry no other; poses ``(k, n)``."""
+    q = robot.all_positions(q)
+    leaves = set(range(robot.j)) - set(robot.parents.tolist())
+    return [_origins(robot, q, leaf) for leaf in sorted(leaves)]
+
+
+def _origins(robot: Robot, q: Array, i: int) -> Array:
     p = np.zeros((len(q), 3))
-    i = robot.n - 1
     while i >= 0:
         p = p @ robot.after[i, :3, :3].T + robot.after[i, :3, 3]
         if robot.joint_types[i] == "prismatic":

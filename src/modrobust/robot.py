@@ -24,6 +24,7 @@ from modrobust.sampling import corner_point, physical_pull, sample_point
 __all__ = [
     "Bounded",
     "ControllerSettings",
+    "Followers",
     "ModuleNode",
     "Parameters",
     "Robot",
@@ -81,22 +82,39 @@ class ModuleNode:
 
 
 @dataclass(frozen=True, eq=False)
+class Followers:
+    """Joints that follow a free one, docs/equations.md (15): q = multiplier * q_leader + offset.
+
+    They stand after the n free joints in every array of joint data; a vector of positions,
+    velocities or torques does not hold them.
+    """
+
+    names: tuple[str, ...] = ()
+    leaders: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    multiplier: Array = field(default_factory=lambda: np.zeros(0))
+    offset: Array = field(default_factory=lambda: np.zeros(0))  # [rad] or [m]
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+
+@dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot with n joints and b bodies, resolved and checked; immutable."""
+    """A robot with n free joints, j joints in all and b bodies, resolved and checked; immutable."""
 
     name: str
     gravity: Array  # (3,) [m/s^2], world axes
     base: Array  # (4, 4), world to base frame
     joint_names: tuple[str, ...]
-    joint_types: tuple[str, ...]  # "revolute" or "prismatic"
-    parents: NDArray[np.int32]  # (n,), -1 = base; parents[i] < i
-    before: Array  # (n, 4, 4)
-    after: Array  # (n, 4, 4)
+    joint_types: tuple[str, ...]  # (j) "revolute" or "prismatic"
+    parents: NDArray[np.int32]  # (j,), -1 = base; parents[i] < i
+    before: Array  # (j, 4, 4)
+    after: Array  # (j, 4, 4)
     position_limits: Array  # (n, 2) [rad] or [m], infinite where not given
     velocity_limits: Array  # (n,) [rad/s] or [m/s], infinite where not given
     effort_limits: Array  # (n,) [N m] or [N], infinite where not given
-    gear_ratio: Array  # (n,), 0 where there is no drive
-    coulomb_speed: Array  # (n,) [rad/s] or [m/s]
+    gear_ratio: Array  # (j,), 0 where there is no drive
+    coulomb_speed: Array  # (j,) [rad/s] or [m/s]
     body_names: tuple[str, ...]
     body_joints: NDArray[np.int32]  # (b,), -1 = fixed to the base
     placement: Array  # (b, 4, 4), body frame in the link frame
@@ -115,6 +133,7 @@ class Robot:
     initial_q: Array | None = None  # (n,), None = start on the trajectory
     initial_dq: Array | None = None
     modules: tuple[ModuleNode, ...] = ()
+    followers: Followers = field(default_factory=Followers)
     version: int = 1
 
     def __post_init__(self) -> None:
@@ -123,13 +142,28 @@ class Robot:
 
     @property
     def n(self) -> int:
-        """Number of joints."""
+        """Number of joints that move freely."""
         return len(self.joint_names)
+
+    @property
+    def j(self) -> int:
+        """Number of joints, those that follow another included."""
+        return len(self.joint_types)
 
     @property
     def b(self) -> int:
         """Number of bodies, base-fixed ones and the payload included."""
         return len(self.body_names)
+
+    @property
+    def all_joint_names(self) -> tuple[str, ...]:
+        """Names of the j joints, the free ones first."""
+        return self.joint_names + self.followers.names
+
+    def all_positions(self, q: Array) -> Array:
+        """Positions of the j joints (..., j) for those of the free ones (..., n), (15)."""
+        f = self.followers
+        return np.concatenate([q, f.multiplier * q[..., f.leaders] + f.offset], axis=-1)
 
     @cached_property
     def model(self) -> _kernel.Model:
@@ -147,12 +181,15 @@ class Robot:
             self.placement,
             self.gear_ratio,
             self.coulomb_speed,
+            self.followers.leaders,
+            self.followers.multiplier,
+            self.followers.offset,
         )
 
     @cached_property
     def dh(self) -> DHTable | None:
         """Standard D-H table in the base frame, for display; None when joints branch."""
-        if not np.array_equal(self.parents, np.arange(-1, self.n - 1)):
+        if self.j != self.n or not np.array_equal(self.parents, np.arange(-1, self.n - 1)):
             return None
         return dh_table(self.parents, self.before, self.after)
 
@@ -205,7 +242,7 @@ class Robot:
 
         Keys and conventions: docs/formats.md, "The resolved robot".
         """
-        joints = [self._joint_dict(i) for i in range(self.n)]
+        joints = [self._joint_dict(i) for i in range(self.j)]
         bodies = [
             {
                 "name": name,
@@ -232,18 +269,21 @@ class Robot:
         }
 
     def _joint_dict(self, i: int) -> dict[str, Any]:
-        position = self.position_limits[i]
+        free = i < self.n
+        position = self.position_limits[i] if free else np.full(2, np.inf)
+        follower = {} if free else {"mimic": self._mimic_dict(i - self.n)}
         return {
-            "name": self.joint_names[i],
+            "name": self.all_joint_names[i],
             "type": self.joint_types[i],
             "parent": int(self.parents[i]),
             "before": self.before[i].tolist(),
             "after": self.after[i].tolist(),
             "limits": {
                 "position": position.tolist() if np.isfinite(position).all() else None,
-                "velocity": _finite(self.velocity_limits[i]),
-                "effort": _finite(self.effort_limits[i]),
+                "velocity": _finite(self.velocity_limits[i]) if free else None,
+                "effort": _finite(self.effort_limits[i]) if free else None,
             },
+            **follower,
             "drive": {
                 "gear_ratio": float(self.gear_ratio[i]),
                 "rotor_inertia": self._bounded("rotor_inertia", i),
@@ -253,6 +293,13 @@ class Robot:
                 "coulomb": self._bounded("coulomb", i),
                 "coulomb_speed": float(self.coulomb_speed[i]),
             },
+        }
+
+    def _mimic_dict(self, k: int) -> dict[str, Any]:
+        return {
+            "joint": int(self.followers.leaders[k]),
+            "multiplier": float(self.followers.multiplier[k]),
+            "offset": float(self.followers.offset[k]),
         }
 
     def _bounded(self, name: str, index: int) -> dict[str, Any]:

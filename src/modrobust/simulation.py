@@ -90,7 +90,7 @@ def true_robot(
         if point.packed.shape != robot.nominal.packed.shape:
             raise ShapeError(
                 f"parameters: of {len(point.mass)} bodies and {len(point.viscous)} joints; robot "
-                f'"{robot.name}" has {len(robot.body_names)} and {robot.n}'
+                f'"{robot.name}" has {len(robot.body_names)} and {robot.j}'
             )
     elif parameters == "nominal":
         point = robot.nominal

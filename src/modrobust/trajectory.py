@@ -247,7 +247,7 @@ def default_trajectory(robot: Robot, duration: float = DEFAULT_DURATION, seed: i
     velocity is at most half the limit (0.5 rad/s, 0.1 m/s where there is none).
     """
     rng = np.random.default_rng(seed)
-    revolute = np.array([kind == "revolute" for kind in robot.joint_types])
+    revolute = np.array([kind == "revolute" for kind in robot.joint_types[: robot.n]])
     half = np.where(revolute, math.pi / 2.0, 0.25)  # [rad], [m]
     lo, hi = robot.position_limits.T
     lo, hi = (

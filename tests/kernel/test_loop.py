@@ -33,7 +33,7 @@ def plant(robot: Robot, point: Any, q: Any, dq: Any, tau: Any) -> Any:
 
 
 def written_out(robot: Robot, point: Any, d: Any, q: Any, dq: Any, K_r: Any) -> dict[str, Any]:
-    """Section V in NumPy: (3), (4), (7), (8), (12) with IANEA*, and RK4 of the plant (22)."""
+    """Section V in NumPy: (3), (4), (7), (8), (12) with IANEA*, and RK4 of the plant (23)."""
     rows: dict[str, list[Any]] = {k: [] for k in ("q", "dq", "tau", "w", "phi_lo", "phi_hi")}
     errors, norms, integral, previous = [], [], 0.0, 0.0
     for q_des, dq_des, ddq_des in zip(*reference_motion(robot.n), strict=True):

@@ -1,16 +1,19 @@
 /* Checked entries: parameters, inverse dynamics, its bounds and the perturbation set (12). */
 #include "mr_internal.h"
 
-size_t mr_parameters_size(int32_t n, int32_t b) { return 10 * (size_t)b + 3 * (size_t)n; }
+size_t mr_parameters_size(const mr_model *model) {
+    return 10 * (size_t)model->b + 3 * (size_t)model->j;
+}
 
-mr_parameters mr_parameters_view(int32_t n, int32_t b, const double *packed) {
+mr_parameters mr_parameters_view(const mr_model *model, const double *packed) {
+    const size_t b = (size_t)model->b, j = (size_t)model->j;
     mr_parameters view;
     view.mass = packed;
     view.com = view.mass + b;
-    view.inertia = view.com + 3 * (size_t)b;
-    view.rotor_inertia = view.inertia + 6 * (size_t)b;
-    view.viscous = view.rotor_inertia + n;
-    view.coulomb = view.viscous + n;
+    view.inertia = view.com + 3 * b;
+    view.rotor_inertia = view.inertia + 6 * b;
+    view.viscous = view.rotor_inertia + j;
+    view.coulomb = view.viscous + j;
     return view;
 }
 
@@ -35,19 +38,22 @@ static mr_status copy_finite(int32_t n, const double *from, double *to) {
 mr_status mr_inverse_dynamics(const mr_model *model, const mr_parameters *parameters,
                               const double *q, const double *dq, const double *dq_a,
                               const double *ddq_a, int drives, double *workspace, double *tau) {
-    mr_workspace ws = mr_workspace_view(model->n, workspace);
-    const mr_status status = mr_check_state(model, q, dq, dq_a, ddq_a);
+    mr_workspace ws = mr_workspace_view(model, workspace);
+    mr_state state;
+    const mr_status status = mr_full_state(model, &ws, q, dq, dq_a, ddq_a, &state);
     if (status) return status;
-    mr_forward_recursion(model, model->gravity, q, dq, dq_a, ddq_a, ws.links);
+    mr_forward_recursion(model, &state, ws.links);
     mr_newton_euler(model, parameters, ws.links, ws.wrench.real, ws.mid);
-    if (drives) mr_add_drives(model, parameters, dq, ddq_a, ws.mid);
+    if (drives) mr_add_drives(model, parameters, state.dq, state.ddq_a, ws.mid);
+    mr_lead(model, ws.mid);
     return copy_finite(model->n, ws.mid, tau);
 }
 
 /* ws.mid: nominal torque; ws.lo, ws.hi: bounds of the torque (ianea) or of its difference from
  * nominal (hull). */
 static void torque_box(const mr_model *model, const mr_bounds *bounds, mr_method method,
-                       const double *dq, const double *ddq_a, int drives, mr_workspace *ws) {
+                       const mr_state *state, int drives, mr_workspace *ws) {
+    const double *dq = state->dq, *ddq_a = state->ddq_a;
     mr_newton_euler(model, &bounds->nominal, ws->links, ws->wrench.real, ws->mid);
     if (drives) mr_add_drives(model, &bounds->nominal, dq, ddq_a, ws->mid);
     if (method == MR_IANEA) {
@@ -57,17 +63,20 @@ static void torque_box(const mr_model *model, const mr_bounds *bounds, mr_method
         mr_hull_deviation(model, bounds, ws->links, ws->poses, ws->lo, ws->hi);
         if (drives) mr_add_drives_deviation(model, bounds, dq, ddq_a, ws->lo, ws->hi);
     }
+    mr_lead(model, ws->mid);
+    mr_lead_box(model, ws->lo, ws->hi);
 }
 
 mr_status mr_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *bounds,
                                      mr_method method, const double *q, const double *dq,
                                      const double *dq_a, const double *ddq_a, int drives,
                                      double *workspace, double *tau_lo, double *tau_hi) {
-    mr_workspace ws = mr_workspace_view(model->n, workspace);
-    const mr_status status = mr_check_state(model, q, dq, dq_a, ddq_a);
+    mr_workspace ws = mr_workspace_view(model, workspace);
+    mr_state state;
+    const mr_status status = mr_full_state(model, &ws, q, dq, dq_a, ddq_a, &state);
     if (status) return status;
-    mr_forward_recursion(model, model->gravity, q, dq, dq_a, ddq_a, ws.links);
-    torque_box(model, bounds, method, dq, ddq_a, drives, &ws);
+    mr_forward_recursion(model, &state, ws.links);
+    torque_box(model, bounds, method, &state, drives, &ws);
     if (method == MR_HULL) {
         for (int32_t i = 0; i < model->n; ++i) {
             ws.lo[i] += ws.mid[i];
@@ -83,11 +92,12 @@ mr_status mr_perturbation_bounds(const mr_model *model, const mr_bounds *bounds,
                                  const double *q, const double *dq, const double *dq_a,
                                  const double *ddq_a, double *workspace, double *nominal,
                                  double *phi_lo, double *phi_hi) {
-    mr_workspace ws = mr_workspace_view(model->n, workspace);
-    const mr_status status = mr_check_state(model, q, dq, dq_a, ddq_a);
+    mr_workspace ws = mr_workspace_view(model, workspace);
+    mr_state state;
+    const mr_status status = mr_full_state(model, &ws, q, dq, dq_a, ddq_a, &state);
     if (status) return status;
-    mr_forward_recursion(model, model->gravity, q, dq, dq_a, ddq_a, ws.links);
-    torque_box(model, bounds, method, dq, ddq_a, 1, &ws);
+    mr_forward_recursion(model, &state, ws.links);
+    torque_box(model, bounds, method, &state, 1, &ws);
     for (int32_t i = 0; i < model->n; ++i) {
         const double u0 = method == MR_IANEA ? ws.mid[i] : 0.0;
         ws.lo[i] = ws.lo[i] - u0 - bounds->disturbance_hi[i];

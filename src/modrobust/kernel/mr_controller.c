@@ -6,7 +6,7 @@ mr_status mr_command(const mr_model *model, const mr_bounds *bounds, const mr_ga
                      const double *dq_des, const double *ddq_des, double *workspace,
                      mr_controller_state *state, mr_command_out *out) {
     const int32_t n = model->n;
-    mr_workspace ws = mr_workspace_view(n, workspace);
+    mr_workspace ws = mr_workspace_view(model, workspace);
     double error_squared = 0.0, rho_squared = 0.0;
     if (!isfinite(t)) return MR_NOT_FINITE;
     if (mr_check_vector(n, q) || mr_check_vector(n, dq) || mr_check_vector(n, q_des) ||

@@ -1,4 +1,4 @@
-/* The exact range of the torque over the box of parameters, body by body: (16) to (18).
+/* The exact range of the torque over the box of parameters, body by body: (17) to (19).
  *
  * Everything is a difference from the nominal point, so that exact parameters cost nothing and
  * leave no rounding behind. Rounding is to nearest and not yet enclosed: docs/guarantees.md. */
@@ -81,7 +81,7 @@ static int stationary(const mr_quadratic *f, const int *inside, int count, doubl
     return 1;
 }
 
-/* Largest value of g . x + x' Q x over the box, (18). At most 27 faces. */
+/* Largest value of g . x + x' Q x over the box, (19). At most 27 faces. */
 static double quadratic_max(const mr_quadratic *function) {
     mr_quadratic f = *function;
     if (fix_monotonic(&f) == 0) return quadratic_value(&f, f.lo);
@@ -116,7 +116,7 @@ static mr_interval quadratic_range(mr_quadratic *f) {
 
 /* Links, joint axes and points in the base frame. */
 static void forward_poses(const mr_model *model, const mr_link *links, mr_pose *poses) {
-    for (int32_t i = 0; i < model->n; ++i) {
+    for (int32_t i = 0; i < model->j; ++i) {
         const mr_link *link = &links[i];
         const double *lever = model->before[i].p;
         mr_pose *pose = &poses[i];
@@ -139,7 +139,7 @@ static void forward_poses(const mr_model *model, const mr_link *links, mr_pose *
 /* What one uncertain body has in common for all joints that carry it. */
 typedef struct {
     mr_motion motion;
-    double L[9];        /* (15) */
+    double L[9];        /* (16) */
     double e[3];        /* acceleration of the nominal COM, body axes */
     double R[9];        /* body to base */
     double com[3];      /* nominal COM from the base origin, base axes */
@@ -165,7 +165,7 @@ static void uncertain_body(const mr_model *model, const mr_bounds *bounds, const
     mr_add(arm, body->com);
 }
 
-/* Range of one body's torque on one joint, less the nominal, (17). */
+/* Range of one body's torque on one joint, less the nominal, (18). */
 static mr_interval deviation(const mr_model *model, const mr_bounds *bounds,
                              const mr_uncertain_body *body, const mr_pose *pose, int32_t b,
                              int32_t joint) {
@@ -238,7 +238,7 @@ static mr_interval deviation(const mr_model *model, const mr_bounds *bounds,
 
 void mr_hull_deviation(const mr_model *model, const mr_bounds *bounds, const mr_link *links,
                        mr_pose *poses, double *lo, double *hi) {
-    for (int32_t i = 0; i < model->n; ++i) lo[i] = hi[i] = 0.0;
+    for (int32_t i = 0; i < model->j; ++i) lo[i] = hi[i] = 0.0;
     if (bounds->uncertain_count == 0) return;
     forward_poses(model, links, poses);
     for (int32_t k = 0; k < bounds->uncertain_count; ++k) {

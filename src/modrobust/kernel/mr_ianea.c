@@ -43,7 +43,7 @@ static void body_wrench(const mr_model *model, const mr_parameters *lower,
 
 void mr_ianea(const mr_model *model, const mr_parameters *lower, const mr_parameters *upper,
               const mr_link *links, mr_wrench_box *wrenches, double *tau_lo, double *tau_hi) {
-    for (int32_t i = 0; i < model->n; ++i) /* 25 */
+    for (int32_t i = 0; i < model->j; ++i) /* 25 */
         for (int k = 0; k < 3; ++k)
             wrenches[i].f[k] = wrenches[i].n[k] = (mr_interval){0.0, 0.0};
 
@@ -55,7 +55,7 @@ void mr_ianea(const mr_model *model, const mr_parameters *lower, const mr_parame
         mr_i_accumulate(body.n, wrenches[model->body_joint[b]].n);
     }
 
-    for (int32_t i = model->n - 1; i >= 0; --i) { /* 26 */
+    for (int32_t i = model->j - 1; i >= 0; --i) { /* 26 */
         const mr_link *link = &links[i];
         mr_wrench_box *own = &wrenches[i];
         mr_interval part[3], f[3], n[3];

@@ -37,7 +37,12 @@ typedef struct {
     double point[3];  /* on the joint's axis: its frame's origin */
 } mr_pose;
 
-/* The caller's working memory, cut into arrays of n. */
+/* What a function is asked about, (j) each. */
+typedef struct {
+    const double *q, *dq, *dq_a, *ddq_a;
+} mr_state;
+
+/* The caller's working memory, cut into arrays of j. */
 typedef struct {
     mr_link *links;
     union {
@@ -47,21 +52,27 @@ typedef struct {
     mr_pose *poses;
     double *lo, *hi, *mid; /* results before they are known to be finite */
     double *dq_a, *ddq_a;
+    double *full[4]; /* a state with its followers */
 } mr_workspace;
 
-mr_workspace mr_workspace_view(int32_t n, double *memory);
+mr_workspace mr_workspace_view(const mr_model *model, double *memory);
 
 mr_status mr_check_vector(int32_t n, const double *x);
-mr_status mr_check_state(const mr_model *model, const double *q, const double *dq,
-                         const double *dq_a, const double *ddq_a);
+
+/* Checks the n entries of each vector and adds those of the followers, (15). */
+mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const double *q,
+                        const double *dq, const double *dq_a, const double *ddq_a,
+                        mr_state *state);
+
+/* Adds the followers' torques to those of their leaders, (15). */
+void mr_lead(const mr_model *model, double *tau);
+void mr_lead_box(const mr_model *model, double *lo, double *hi);
 
 /* Rotation of link i to its parent, joint axis and lever: lines 6 to 9 of Algorithm 1. */
 void mr_joint_geometry(const mr_model *model, int32_t i, double q, mr_link *link);
 
-/* Lines 2 to 24 of Algorithm 1 without the bodies. gravity is that of the base frame. */
-void mr_forward_recursion(const mr_model *model, const double gravity[3], const double *q,
-                          const double *dq, const double *dq_a, const double *ddq_a,
-                          mr_link *links);
+/* Lines 2 to 24 of Algorithm 1 without the bodies. */
+void mr_forward_recursion(const mr_model *model, const mr_state *state, mr_link *links);
 
 /* Motion of body k, in its own frame. */
 void mr_body_motion(const mr_model *model, const mr_link *links, int32_t k, mr_motion *motion);
@@ -74,11 +85,11 @@ void mr_newton_euler(const mr_model *model, const mr_parameters *parameters, con
 void mr_ianea(const mr_model *model, const mr_parameters *lower, const mr_parameters *upper,
               const mr_link *links, mr_wrench_box *wrenches, double *tau_lo, double *tau_hi);
 
-/* Range of the torque's difference from nominal over the box, (17). */
+/* Range of the torque's difference from nominal over the box, (18). */
 void mr_hull_deviation(const mr_model *model, const mr_bounds *bounds, const mr_link *links,
                        mr_pose *poses, double *lo, double *hi);
 
-/* (19) and (20): drive torque at a point, its box, and its box relative to nominal. */
+/* (20) and (21): drive torque at a point, its box, and its box relative to nominal. */
 double mr_smooth_sign(double dq, double coulomb_speed);
 void mr_add_drives(const mr_model *model, const mr_parameters *parameters, const double *dq,
                    const double *ddq_a, double *tau);
@@ -87,7 +98,7 @@ void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const dou
 void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds, const double *dq,
                              const double *ddq_a, double *lo, double *hi);
 
-/* Composite-body mass matrix on links whose R, z and p are filled in. */
+/* Composite-body mass matrix (n, n) on links whose R, z and p are filled in; M has (j, j) room. */
 void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
                        const mr_link *links, int drives, double *composite, double *M);
 

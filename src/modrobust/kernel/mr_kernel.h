@@ -38,19 +38,25 @@ typedef struct {
     double p[3];
 } mr_transform;
 
-/* Geometry of a robot with n joints and b bodies, (14). parent[i] < i, -1 is the base. */
+/* Geometry of a robot with b bodies and j joints, (14). parent[i] < i, -1 is the base. The first n
+ * joints move freely; the j - n others follow one of them, (15): every vector of positions,
+ * velocities, accelerations and torques has n entries, every array of joint data has j. */
 typedef struct {
     int32_t n;
+    int32_t j;
     int32_t b;
-    const int32_t *joint_type;    /* (n) mr_joint_type */
-    const int32_t *parent;        /* (n) */
-    const mr_transform *before;   /* (n) parent link frame to joint frame */
-    const mr_transform *after;    /* (n) joint frame to link frame, follows the motion */
-    const int32_t *body_joint;    /* (b) joint that moves the body, -1 is the base */
+    const int32_t *joint_type;     /* (j) mr_joint_type */
+    const int32_t *parent;         /* (j) */
+    const mr_transform *before;    /* (j) parent link frame to joint frame */
+    const mr_transform *after;     /* (j) joint frame to link frame, follows the motion */
+    const double *gear_ratio;      /* (j) */
+    const double *coulomb_speed;   /* (j) v_c of (20) [rad/s] or [m/s] */
+    const int32_t *leader;         /* (j - n) free joint that joint n + k follows */
+    const double *multiplier;      /* (j - n) */
+    const double *offset;          /* (j - n) [rad] or [m] */
+    const int32_t *body_joint;     /* (b) joint that moves the body, -1 is the base */
     const mr_transform *placement; /* (b) body frame in its link frame */
-    const double *gear_ratio;     /* (n) */
-    const double *coulomb_speed;  /* (n) v_c of (19) [rad/s] or [m/s] */
-    double gravity[3];            /* in the base frame [m/s^2] */
+    double gravity[3];             /* in the base frame [m/s^2] */
 } mr_model;
 
 /* One point of the dynamic parameters. */
@@ -58,9 +64,9 @@ typedef struct {
     const double *mass;          /* (b) [kg] */
     const double *com;           /* (b, 3) in body axes [m] */
     const double *inertia;       /* (b, 6) xx xy xz yy yz zz about the COM, body axes [kg m^2] */
-    const double *rotor_inertia; /* (n) motor side [kg m^2] */
-    const double *viscous;       /* (n) joint side [N m s/rad] or [N s/m] */
-    const double *coulomb;       /* (n) joint side [N m] or [N] */
+    const double *rotor_inertia; /* (j) motor side [kg m^2] */
+    const double *viscous;       /* (j) joint side [N m s/rad] or [N s/m] */
+    const double *coulomb;       /* (j) joint side [N m] or [N] */
 } mr_parameters;
 
 /* What the controller knows: a nominal point, its box, and the disturbance's box [d]. */
@@ -76,22 +82,22 @@ typedef struct {
 
 /* Number of doubles in one packed parameter point, and its view: mass, com, inertia, rotor
  * inertia, viscous, coulomb, one after the other. */
-size_t mr_parameters_size(int32_t n, int32_t b);
-mr_parameters mr_parameters_view(int32_t n, int32_t b, const double *packed);
+size_t mr_parameters_size(const mr_model *model);
+mr_parameters mr_parameters_view(const mr_model *model, const double *packed);
 
 /* Lists the bodies whose box is not a point into uncertain (b); returns how many. */
 int32_t mr_find_uncertain(int32_t b, const mr_parameters *lower, const mr_parameters *upper,
                           int32_t *uncertain);
 
 /* Number of doubles of working memory that every function below needs. */
-size_t mr_workspace_size(int32_t n, int32_t b);
+size_t mr_workspace_size(const mr_model *model);
 
 /* NE*: M(q) ddq_a + C(q, dq) dq_a + g(q), with friction and reflected rotor inertia if drives. */
 mr_status mr_inverse_dynamics(const mr_model *model, const mr_parameters *parameters,
                               const double *q, const double *dq, const double *dq_a,
                               const double *ddq_a, int drives, double *workspace, double *tau);
 
-/* Bounds of NE* over the box of parameters, by the exact hull (16) or by Algorithm 1. */
+/* Bounds of NE* over the box of parameters, by the exact hull (17) or by Algorithm 1. */
 mr_status mr_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *bounds,
                                      mr_method method, const double *q, const double *dq,
                                      const double *dq_a, const double *ddq_a, int drives,
@@ -104,18 +110,18 @@ mr_status mr_perturbation_bounds(const mr_model *model, const mr_bounds *bounds,
                                  double *phi_lo, double *phi_hi);
 
 /* The same for the two functions of the plant below, mr_workspace_size included. */
-size_t mr_dynamics_workspace_size(int32_t n, int32_t b);
+size_t mr_dynamics_workspace_size(const mr_model *model);
 
 /* Joint-space mass matrix (n, n), with reflected rotor inertia on the diagonal if drives. */
 mr_status mr_mass_matrix(const mr_model *model, const mr_parameters *parameters, const double *q,
                          int drives, double *workspace, double *M);
 
-/* Acceleration of the plant (22) under the torque tau. */
+/* Acceleration of the plant (23) under the torque tau. */
 mr_status mr_forward_dynamics(const mr_model *model, const mr_parameters *parameters,
                               const double *q, const double *dq, const double *tau, int drives,
                               double *workspace, double *ddq);
 
-/* Link frames in the base frame (n). */
+/* Link frames in the base frame (j). */
 mr_status mr_forward_kinematics(const mr_model *model, const double *q, double *workspace,
                                 mr_transform *frames);
 
@@ -154,14 +160,14 @@ mr_status mr_command(const mr_model *model, const mr_bounds *bounds, const mr_ga
                      mr_controller_state *state, mr_command_out *out);
 
 /* Number of doubles of working memory of mr_loop_advance, mr_workspace_size included. */
-size_t mr_loop_workspace_size(int32_t n, int32_t b);
+size_t mr_loop_workspace_size(const mr_model *model);
 
-/* The closed loop of controller and plant (22); the command is held for one tick. */
+/* The closed loop of controller and plant (23); the command is held for one tick. */
 typedef struct {
     double dt;          /* tick [s] */
     int32_t substeps;   /* Runge-Kutta steps a tick */
     int64_t ticks;      /* ticks done; time = ticks * dt */
-    int64_t violations; /* ticks at which w left [Phi], (23) */
+    int64_t violations; /* ticks at which w left [Phi], (24) */
     double violation_max;
     double error_last;      /* |q_des - q| at the last tick */
     double last_outside;    /* last time with error >= epsilon, -1 if never [s] */

@@ -5,14 +5,13 @@
 #define BOX_DOUBLES (sizeof(mr_wrench_box) / sizeof(double))
 #define POSE_DOUBLES (sizeof(mr_pose) / sizeof(double))
 
-size_t mr_workspace_size(int32_t n, int32_t b) {
-    (void)b; /* bodies need no memory of their own */
-    return (size_t)n * (LINK_DOUBLES + BOX_DOUBLES + POSE_DOUBLES + 5);
+size_t mr_workspace_size(const mr_model *model) {
+    return (size_t)model->j * (LINK_DOUBLES + BOX_DOUBLES + POSE_DOUBLES + 9);
 }
 
-mr_workspace mr_workspace_view(int32_t n, double *memory) {
+mr_workspace mr_workspace_view(const mr_model *model, double *memory) {
     mr_workspace view;
-    const size_t count = (size_t)n;
+    const size_t count = (size_t)model->j;
     view.links = (mr_link *)memory;
     memory += count * LINK_DOUBLES;
     view.wrench.box = (mr_wrench_box *)memory;
@@ -24,6 +23,7 @@ mr_workspace mr_workspace_view(int32_t n, double *memory) {
     view.mid = memory + 2 * count;
     view.dq_a = memory + 3 * count;
     view.ddq_a = memory + 4 * count;
+    for (size_t k = 0; k < 4; ++k) view.full[k] = memory + (5 + k) * count;
     return view;
 }
 
@@ -33,15 +33,41 @@ mr_status mr_check_vector(int32_t n, const double *x) {
     return MR_OK;
 }
 
-mr_status mr_check_state(const mr_model *model, const double *q, const double *dq,
-                         const double *dq_a, const double *ddq_a) {
-    const double *vectors[4] = {q, dq, dq_a, ddq_a};
-    for (int k = 0; k < 4; ++k)
-        if (mr_check_vector(model->n, vectors[k])) return MR_NOT_FINITE;
-    for (int32_t i = 0; i < model->n; ++i)
-        if (model->joint_type[i] == MR_REVOLUTE && fabs(q[i]) > MR_ANGLE_MAX)
+mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const double *q,
+                        const double *dq, const double *dq_a, const double *ddq_a,
+                        mr_state *state) {
+    const int32_t n = model->n;
+    const double *given[4] = {q, dq, dq_a, ddq_a};
+    for (int v = 0; v < 4; ++v) {
+        if (mr_check_vector(n, given[v])) return MR_NOT_FINITE;
+        if (model->j == n) continue;
+        double *full = ws->full[v];
+        for (int32_t i = 0; i < n; ++i) full[i] = given[v][i];
+        for (int32_t k = 0; k < model->j - n; ++k)
+            full[n + k] = model->multiplier[k] * full[model->leader[k]] +
+                          (v == 0 ? model->offset[k] : 0.0);
+        if (mr_check_vector(model->j, full)) return MR_NOT_FINITE;
+        given[v] = full;
+    }
+    for (int32_t i = 0; i < model->j; ++i)
+        if (model->joint_type[i] == MR_REVOLUTE && fabs(given[0][i]) > MR_ANGLE_MAX)
             return MR_ANGLE_RANGE;
+    *state = (mr_state){given[0], given[1], given[2], given[3]};
     return MR_OK;
+}
+
+void mr_lead(const mr_model *model, double *tau) {
+    for (int32_t k = 0; k < model->j - model->n; ++k)
+        tau[model->leader[k]] += model->multiplier[k] * tau[model->n + k];
+}
+
+void mr_lead_box(const mr_model *model, double *lo, double *hi) {
+    for (int32_t k = 0; k < model->j - model->n; ++k) {
+        const mr_interval own = {lo[model->n + k], hi[model->n + k]};
+        const mr_interval share = mr_i_scale(model->multiplier[k], own);
+        lo[model->leader[k]] += share.lo;
+        hi[model->leader[k]] += share.hi;
+    }
 }
 
 void mr_joint_geometry(const mr_model *model, int32_t i, double q, mr_link *link) {
@@ -68,17 +94,16 @@ void mr_joint_geometry(const mr_model *model, int32_t i, double q, mr_link *link
         mr_multiply(model->before[i].R, joint_to_link, link->R);
 }
 
-void mr_forward_recursion(const mr_model *model, const double gravity[3], const double *q,
-                          const double *dq, const double *dq_a, const double *ddq_a,
-                          mr_link *links) {
+void mr_forward_recursion(const mr_model *model, const mr_state *state, mr_link *links) {
     static const double zero[3] = {0.0, 0.0, 0.0};
-    const double base_a[3] = {-gravity[0], -gravity[1], -gravity[2]}; /* line 3 */
-    for (int32_t i = 0; i < model->n; ++i) {
+    const double *g = model->gravity, base_a[3] = {-g[0], -g[1], -g[2]}; /* line 3 */
+    const double *dq = state->dq, *dq_a = state->dq_a, *ddq_a = state->ddq_a;
+    for (int32_t i = 0; i < model->j; ++i) {
         mr_link *link = &links[i];
         const mr_link *parent = model->parent[i] < 0 ? NULL : &links[model->parent[i]];
         const double *lever = model->before[i].p;
         double a[3], cross[3];
-        mr_joint_geometry(model, i, q[i], link);
+        mr_joint_geometry(model, i, state->q[i], link);
 
         /* The joint frame's origin, carried by the parent: zero lever along a D-H chain. */
         mr_copy(parent ? parent->a : base_a, a);
@@ -134,13 +159,14 @@ void mr_body_motion(const mr_model *model, const mr_link *links, int32_t k, mr_m
 
 mr_status mr_forward_kinematics(const mr_model *model, const double *q, double *workspace,
                                 mr_transform *frames) {
-    mr_workspace ws = mr_workspace_view(model->n, workspace);
-    const mr_status status = mr_check_state(model, q, q, q, q);
+    mr_workspace ws = mr_workspace_view(model, workspace);
+    mr_state state;
+    const mr_status status = mr_full_state(model, &ws, q, q, q, q, &state);
     if (status) return status;
-    for (int32_t i = 0; i < model->n; ++i) {
+    for (int32_t i = 0; i < model->j; ++i) {
         mr_link *link = &ws.links[i];
         double position[3];
-        mr_joint_geometry(model, i, q[i], link);
+        mr_joint_geometry(model, i, state.q[i], link);
         mr_rotate(link->R, link->p, position);
         mr_add(model->before[i].p, position);
         if (model->parent[i] < 0) {

@@ -1,12 +1,12 @@
-/* The closed loop of controller and plant, (22), and what is measured on it, (23). */
+/* The closed loop of controller and plant, (23), and what is measured on it, (24). */
 #include "mr_internal.h"
 
 /* Memory of the loop beyond that of the dynamics, in arrays of n. */
 enum { TAU, NOMINAL, V, PHI_LO, PHI_HI, RHO, W, SPARE_LO, SPARE_HI, DQ_A, DDQ_A,
        DRIVE, Q0, DQ0, Q1, DQ1, K_DQ, K_DDQ, SUM_DQ, SUM_DDQ, ARRAYS };
 
-size_t mr_loop_workspace_size(int32_t n, int32_t b) {
-    return mr_dynamics_workspace_size(n, b) + (size_t)ARRAYS * (size_t)n;
+size_t mr_loop_workspace_size(const mr_model *model) {
+    return mr_dynamics_workspace_size(model) + (size_t)ARRAYS * (size_t)model->n;
 }
 
 /* One Runge-Kutta step of fourth order under a constant torque. */
@@ -67,7 +67,7 @@ static mr_status log_widths(const mr_model *model, const mr_bounds *bounds, cons
     return MR_OK;
 }
 
-/* w of (6) by the true parameters, and whether it left [Phi], (23). */
+/* w of (6) by the true parameters, and whether it left [Phi], (24). */
 static mr_status perturbation(const mr_model *model, const mr_parameters *true_parameters,
                               const double *true_disturbance, const double *q, const double *dq,
                               double *workspace, double *const *a, mr_loop *loop) {
@@ -123,7 +123,7 @@ mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const 
     const int32_t n = model->n;
     double *a[ARRAYS];
     for (int k = 0; k < ARRAYS; ++k)
-        a[k] = workspace + mr_dynamics_workspace_size(n, model->b) + (size_t)k * (size_t)n;
+        a[k] = workspace + mr_dynamics_workspace_size(model) + (size_t)k * (size_t)n;
     mr_command_out out = {a[TAU],    a[NOMINAL],
                           a[V],      a[PHI_LO],
                           a[PHI_HI], a[RHO],

@@ -1,4 +1,4 @@
-/* Mass matrix by composite bodies, and forward dynamics of the plant, (21), (22). */
+/* Mass matrix by composite bodies, and forward dynamics of the plant, (22), (23). */
 #include "mr_internal.h"
 
 /* One composite body about its link frame's origin: m, h = m c, I. */
@@ -55,9 +55,23 @@ static void unit_wrench(const mr_model *model, int32_t i, const mr_link *link,
     }
 }
 
+/* G' M G for the map G of (15), from (j, j) to (n, n) in place. */
+static void fold_followers(const mr_model *model, double *M) {
+    const int32_t n = model->n, j = model->j;
+    if (j == n) return;
+    for (int32_t k = 0; k < j - n; ++k)
+        for (int32_t c = 0; c < j; ++c)
+            M[model->leader[k] * j + c] += model->multiplier[k] * M[(n + k) * j + c];
+    for (int32_t k = 0; k < j - n; ++k)
+        for (int32_t r = 0; r < n; ++r)
+            M[r * j + model->leader[k]] += model->multiplier[k] * M[r * j + n + k];
+    for (int32_t r = 1; r < n; ++r)
+        for (int32_t c = 0; c < n; ++c) M[r * n + c] = M[r * j + c];
+}
+
 void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
                        const mr_link *links, int drives, double *composite, double *M) {
-    const int32_t n = model->n;
+    const int32_t n = model->j;
     mr_composite *bodies = (mr_composite *)composite;
     for (size_t k = 0; k < (size_t)n * COMPOSITE_DOUBLES; ++k) composite[k] = 0.0;
     for (int32_t b = 0; b < model->b; ++b) {
@@ -102,6 +116,7 @@ void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
             add_composite(&bodies[i], links[i].R, p, &bodies[model->parent[i]]);
         }
     }
+    fold_followers(model, M);
 }
 
 mr_status mr_cholesky_solve(int32_t n, double *M, double *x) {
@@ -128,18 +143,20 @@ mr_status mr_cholesky_solve(int32_t n, double *M, double *x) {
     return MR_OK;
 }
 
-size_t mr_dynamics_workspace_size(int32_t n, int32_t b) {
-    return mr_workspace_size(n, b) + (size_t)n * (COMPOSITE_DOUBLES + (size_t)n);
+size_t mr_dynamics_workspace_size(const mr_model *model) {
+    const size_t j = (size_t)model->j;
+    return mr_workspace_size(model) + j * (COMPOSITE_DOUBLES + j);
 }
 
 mr_status mr_mass_matrix(const mr_model *model, const mr_parameters *parameters, const double *q,
                          int drives, double *workspace, double *M) {
-    mr_workspace ws = mr_workspace_view(model->n, workspace);
-    double *composite = workspace + mr_workspace_size(model->n, model->b);
-    double *result = composite + (size_t)model->n * COMPOSITE_DOUBLES;
-    const mr_status status = mr_check_state(model, q, q, q, q);
+    mr_workspace ws = mr_workspace_view(model, workspace);
+    double *composite = workspace + mr_workspace_size(model);
+    double *result = composite + (size_t)model->j * COMPOSITE_DOUBLES;
+    mr_state state;
+    const mr_status status = mr_full_state(model, &ws, q, q, q, q, &state);
     if (status) return status;
-    for (int32_t i = 0; i < model->n; ++i) mr_joint_geometry(model, i, q[i], &ws.links[i]);
+    for (int32_t i = 0; i < model->j; ++i) mr_joint_geometry(model, i, state.q[i], &ws.links[i]);
     mr_composite_mass(model, parameters, ws.links, drives, composite, result);
     if (mr_check_vector(model->n * model->n, result)) return MR_NOT_FINITE;
     for (int32_t i = 0; i < model->n * model->n; ++i) M[i] = result[i];
@@ -149,16 +166,20 @@ mr_status mr_mass_matrix(const mr_model *model, const mr_parameters *parameters,
 mr_status mr_forward_dynamics(const mr_model *model, const mr_parameters *parameters,
                               const double *q, const double *dq, const double *tau, int drives,
                               double *workspace, double *ddq) {
-    mr_workspace ws = mr_workspace_view(model->n, workspace);
-    double *composite = workspace + mr_workspace_size(model->n, model->b);
-    double *M = composite + (size_t)model->n * COMPOSITE_DOUBLES;
+    mr_workspace ws = mr_workspace_view(model, workspace);
+    double *composite = workspace + mr_workspace_size(model);
+    double *M = composite + (size_t)model->j * COMPOSITE_DOUBLES;
     double *zero = ws.ddq_a, *x = ws.mid;
-    mr_status status = mr_check_state(model, q, dq, dq, tau);
+    mr_state state;
+    mr_status status = mr_check_vector(model->n, tau);
     if (status) return status;
     for (int32_t i = 0; i < model->n; ++i) zero[i] = 0.0;
-    mr_forward_recursion(model, model->gravity, q, dq, dq, zero, ws.links);
+    status = mr_full_state(model, &ws, q, dq, dq, zero, &state);
+    if (status) return status;
+    mr_forward_recursion(model, &state, ws.links);
     mr_newton_euler(model, parameters, ws.links, ws.wrench.real, x);
-    if (drives) mr_add_drives(model, parameters, dq, zero, x);
+    if (drives) mr_add_drives(model, parameters, state.dq, state.ddq_a, x);
+    mr_lead(model, x);
     for (int32_t i = 0; i < model->n; ++i) x[i] = tau[i] - x[i];
     mr_composite_mass(model, parameters, ws.links, drives, composite, M);
     status = mr_cholesky_solve(model->n, M, x);

@@ -1,9 +1,9 @@
-/* NE*: Algorithm 1 with real parameters, several bodies a link; and the drives, (19), (20). */
+/* NE*: Algorithm 1 with real parameters, several bodies a link; and the drives, (20), (21). */
 #include "mr_internal.h"
 
 void mr_newton_euler(const mr_model *model, const mr_parameters *parameters, const mr_link *links,
                      mr_wrench *wrenches, double *tau) {
-    for (int32_t i = 0; i < model->n; ++i)
+    for (int32_t i = 0; i < model->j; ++i)
         for (int k = 0; k < 3; ++k) wrenches[i].f[k] = wrenches[i].n[k] = 0.0;
 
     for (int32_t b = 0; b < model->b; ++b) {
@@ -31,7 +31,7 @@ void mr_newton_euler(const mr_model *model, const mr_parameters *parameters, con
         mr_add(same ? N : n, link->n);
     }
 
-    for (int32_t i = model->n - 1; i >= 0; --i) {
+    for (int32_t i = model->j - 1; i >= 0; --i) {
         const mr_link *link = &links[i];
         mr_wrench *own = &wrenches[i];
         mr_add_cross(link->p, own->f, own->n); /* 30: moment about the joint frame's origin */
@@ -67,13 +67,13 @@ static double reflected(const mr_model *model, int32_t i) {
 
 void mr_add_drives(const mr_model *model, const mr_parameters *parameters, const double *dq,
                    const double *ddq_a, double *tau) {
-    for (int32_t i = 0; i < model->n; ++i)
+    for (int32_t i = 0; i < model->j; ++i)
         tau[i] += parameters->viscous[i] * dq[i] +
                   parameters->coulomb[i] * mr_smooth_sign(dq[i], model->coulomb_speed[i]) +
                   reflected(model, i) * parameters->rotor_inertia[i] * ddq_a[i];
 }
 
-/* Hull of the smooth and the true sign of dq: what Coulomb friction may be, (19). */
+/* Hull of the smooth and the true sign of dq: what Coulomb friction may be, (20). */
 static mr_interval sign_box(double dq, double coulomb_speed) {
     if (fabs(dq) <= coulomb_speed || dq == 0.0) return (mr_interval){-1.0, 1.0};
     const double s = mr_smooth_sign(dq, coulomb_speed);
@@ -83,7 +83,7 @@ static mr_interval sign_box(double dq, double coulomb_speed) {
 void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const double *dq,
                        const double *ddq_a, double *lo, double *hi) {
     const mr_parameters *l = &bounds->lower, *h = &bounds->upper;
-    for (int32_t i = 0; i < model->n; ++i) {
+    for (int32_t i = 0; i < model->j; ++i) {
         const mr_interval coulomb = {l->coulomb[i], h->coulomb[i]};
         mr_interval sum = mr_i_scale(dq[i], (mr_interval){l->viscous[i], h->viscous[i]});
         if (coulomb.hi > 0.0)
@@ -98,7 +98,7 @@ void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const dou
 void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds, const double *dq,
                              const double *ddq_a, double *lo, double *hi) {
     const mr_parameters *c = &bounds->nominal, *l = &bounds->lower, *h = &bounds->upper;
-    for (int32_t i = 0; i < model->n; ++i) {
+    for (int32_t i = 0; i < model->j; ++i) {
         const mr_interval viscous = {l->viscous[i] - c->viscous[i], h->viscous[i] - c->viscous[i]};
         const mr_interval rotor = {l->rotor_inertia[i] - c->rotor_inertia[i],
                                    h->rotor_inertia[i] - c->rotor_inertia[i]};

@@ -73,7 +73,7 @@ static inline void mr_symmetric(const double S[6], const double x[3], double out
     out[2] = S[2] * x[0] + S[4] * x[1] + S[5] * x[2];
 }
 
-/* L of (15): L c = dw x c + w x (wa x c), row by row. */
+/* L of (16): L c = dw x c + w x (wa x c), row by row. */
 static inline void mr_acceleration_matrix(const double w[3], const double wa[3],
                                           const double dw[3], double L[9]) {
     const double d = mr_dot(w, wa); /* w x (wa x c) = wa (w . c) - (w . wa) c */
