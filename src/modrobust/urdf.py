@@ -67,6 +67,12 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
     if tolerances.unused:
         keys = ", ".join(tolerances.unused)
         notes.append(f"tolerance without a parameter it applies to: {keys}")
+    if not any(_bounded(joint, body) for joint in joints for body in bodies):
+        notes.insert(
+            0,
+            "no bounds are given: every figure of the URDF is taken as exact; give --tolerance "
+            '"mass=5%, com=5 mm, inertia=10%" or an assembly file with bounds',
+        )
     parts = Parts(
         joints=joints,
         bodies=tuple(bodies),
@@ -77,6 +83,12 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
         nodes=_nodes(description, chosen, bodies),
     )
     return description.name, parts
+
+
+def _bounded(joint: PlacedJoint, body: PlacedBody) -> bool:
+    drive = (joint.item.rotor_inertia, joint.item.viscous, joint.item.coulomb)
+    every = (*drive, body.mass, *body.com, *body.inertia)
+    return any(quantity is not None and quantity.bounded for quantity in every)
 
 
 def read_file(path: Path) -> Description:

@@ -190,12 +190,7 @@ def _structured(
         below.setdefault(joint.parent, []).append(joint)
     roots = [name for name in links if name not in above]
     if not roots:
-        cycle = _cycle(next(iter(links)), above)
-        raise above[cycle[0]].where.error(
-            f"joint {above[cycle[0]].name}",
-            f"a loop of links: {' -> '.join([cycle[-1], *cycle])}; a robot is a tree with one root; "
-            "cut the loop",
-        )
+        raise _loop(_cycle(next(iter(links)), above), above)
     if len(roots) > 1:
         listed = ", ".join(f'"{name}" (line {links[name].where.line})' for name in roots[:8])
         raise links[roots[1]].where.error(
@@ -211,14 +206,18 @@ def _structured(
         pending += [joint.child for joint in below.get(name, [])]
     lost = [name for name in links if name not in reached]
     if lost:
-        cycle = _cycle(lost[0], above)
-        raise above[cycle[0]].where.error(
-            f"joint {above[cycle[0]].name}",
-            f"a loop of links: {' -> '.join([cycle[-1], *cycle])}; a robot is a tree with one root; "
-            "cut the loop",
-        )
+        raise _loop(_cycle(lost[0], above), above)
     name = _name(root)
     return Description(name, links, joints, roots[0], tuple(notes), root.where, above, below)
+
+
+def _loop(cycle: Sequence[str], above: dict[str, Joint]) -> DescriptionError:
+    joint = above[cycle[0]]
+    return joint.where.error(
+        f"joint {joint.name}",
+        f"a loop of links: {' -> '.join([cycle[-1], *cycle])}; a robot is a tree with one root; "
+        "cut the loop",
+    )
 
 
 def _cycle(start: str, above: dict[str, Joint]) -> list[str]:

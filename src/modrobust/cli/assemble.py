@@ -7,45 +7,57 @@ from typing import Annotated
 
 import typer
 
-from modrobust.cli.options import Json, RobotFile
+from modrobust.cli.assemble_export import Mjcf, Places, Point, Urdf, check_point, export
+from modrobust.cli.options import Base, Json, Lock, Payload, RobotFile, Tip, Tolerance, robot
 
 EXAMPLES = """\b
 Examples:
   modrobust assemble lwa4p
   modrobust assemble my-robot.yaml -o resolved.json
   modrobust assemble lwa4p-paper --json
+  modrobust assemble lwa4p --urdf lwa4p.urdf --mjcf lwa4p.xml --parameters random --seed 1
+  modrobust assemble panda.urdf --lock panda_finger_joint1=0.02 --tolerance "mass=5%,com=5mm"
 """
 
 
 def assemble(
     file: RobotFile,
+    base: Base = None,
+    tip: Tip = None,
+    lock: Lock = None,
+    tolerance: Tolerance = None,
+    payload: Payload = None,
     json: Json = False,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="OUT.json", help="Write the resolved robot there."),
     ] = None,
+    urdf: Urdf = None,
+    mjcf: Mjcf = None,
+    parameters: Point = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of corner and random.")] = 0,
 ) -> None:
-    """Assemble a robot from its modules and show what came out.
+    """Assemble a robot from its modules, or read its URDF, and show what came out.
 
     Modules, standard D-H table, masses with their bounds, reach, static torques, what is exact.
     """
-    from modrobust.assembly import load_robot
     from modrobust.cli.output import json_text, print_json
-    from modrobust.files import replacing
 
-    if output is None:
-        robot = load_robot(file)
-    else:
-        with replacing(output, ".json", "a resolved robot") as part:
-            robot = load_robot(file)
-            part.write_text(json_text(robot.to_dict()), encoding="utf-8")
+    check_point(parameters, urdf, mjcf)
+    with Places() as place:
+        resolved = place(output, ".json", "a resolved robot")
+        parts = place(urdf, ".urdf", "a URDF"), place(mjcf, ".xml", "an MJCF")
+        loaded = robot(file, base, tip, lock, tolerance, payload, say_exact=False)
+        if resolved is not None:
+            resolved.write_text(json_text(loaded.to_dict()), encoding="utf-8")
+        export(loaded, *parts, parameters, seed)
     if json:
-        print_json(robot.to_dict())
+        print_json(loaded.to_dict())
     else:
         from modrobust.cli.assemble_report import print_report
         from modrobust.report import report
 
-        print_report(report(robot))
+        print_report(report(loaded))
 
 
 command = assemble

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from modrobust.cli.options import Json
+from modrobust.cli.options import Base, Json, Lock, Payload, Tip, Tolerance, robot
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,20 +27,27 @@ Ctrl-C ends early: what was measured is shown, the exit code is 130.
 def bench(
     files: Annotated[
         list[str] | None,
-        typer.Argument(metavar="FILE", help="Assembly files or built-in names. [lwa4p-paper]"),
+        typer.Argument(
+            metavar="FILE", help="Assembly files, URDFs or built-in names. [lwa4p-paper]"
+        ),
     ] = None,
     repeat: Annotated[int, typer.Option(min=1, help="How often each time is taken.")] = 3,
+    base: Base = None,
+    tip: Tip = None,
+    lock: Lock = None,
+    tolerance: Tolerance = None,
+    payload: Payload = None,
     json: Json = False,
 ) -> None:
     """Measure the time of a command, its growth with the joints, and the tightness of the bounds.
 
     The controller is replayed on the signals of a simulation sampled at 1 ms.
     """
-    from modrobust.assembly import load_robot
     from modrobust.benchmark import benchmark
     from modrobust.cli.output import ProgressBar, note, print_json
 
-    robots = [load_robot(file) for file in files or ["lwa4p-paper"]]
+    options = (base, tip, lock, tolerance, payload)
+    robots = [robot(file, *options) for file in files or ["lwa4p-paper"]]
     with ProgressBar("Measuring") as bar:
         result = benchmark(robots, repeat=repeat, progress=lambda what, done: bar(done, label=what))
     figures = result.to_dict()
@@ -57,17 +64,17 @@ def print_benchmark(figures: Mapping[str, Any]) -> None:
     """Print the benchmark as tables."""
     from modrobust.cli.output import number, show, table, times
 
-    for robot in figures["robots"]:
-        show(f"{robot['robot']}: {len(robot['joints'])} joints", style="bold")
+    for entry in figures["robots"]:
+        show(f"{entry['robot']}: {len(entry['joints'])} joints", style="bold")
         measured = {}
-        for item in robot["times"]:
+        for item in entry["times"]:
             measured[f"{item['bound']}, in C"] = item["in_c"]
             measured[f"{item['bound']}, from Python"] = item["in_python"]
         if measured:
             show("Time per command", times(measured))
-        for item in robot["tightness"]:
+        for item in entry["tightness"]:
             rows = table("joint", "hull", "ianea", "ratio", "median")
-            for j, name in enumerate(robot["joints"]):
+            for j, name in enumerate(entry["joints"]):
                 rows.add_row(
                     name,
                     *(

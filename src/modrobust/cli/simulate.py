@@ -7,14 +7,27 @@ from typing import Annotated, Literal
 
 import typer
 
-from modrobust.cli.options import Json, RobotFile, seconds
+from modrobust.cli.options import (
+    Base,
+    Json,
+    Lock,
+    Payload,
+    RobotFile,
+    Tip,
+    Tolerance,
+    robot,
+    seconds,
+)
+from modrobust.cli.simulate_pictures import Plant, Video, View, check_pictures, show_pictures
 
 EXAMPLES = """\b
 Examples:
   modrobust simulate lwa4p-paper --scenario 1
   modrobust simulate lwa4p-paper --scenario 2 --bound ianea
   modrobust simulate lwa4p --parameters corner --seed 3 --duration 5s
+  modrobust simulate ur5.urdf --tolerance "mass=5%,com=5mm,inertia=10%"
   modrobust simulate my-robot.yaml --trajectory motion.csv --log run.npz
+  modrobust simulate lwa4p-payload --plant mujoco --control-rate 3000 --video run.mp4
 
 \b
 Ctrl-C ends a run early: what was computed is shown and saved, the exit code is 130.
@@ -51,24 +64,32 @@ def simulate(
     control_rate: Annotated[
         float, typer.Option(metavar="HZ", help="Commands a second; each is held until the next.")
     ] = 50e3,
+    plant: Plant = "builtin",
+    video: Video = None,
+    view: View = False,
     log: Annotated[
         Path | None, typer.Option(metavar="OUT.npz", help="Save the run, sampled at 1 ms.")
     ] = None,
+    base: Base = None,
+    tip: Tip = None,
+    lock: Lock = None,
+    tolerance: Tolerance = None,
+    payload: Payload = None,
     json: Json = False,
 ) -> None:
     """Simulate the closed loop of a robot whose true parameters the controller does not know."""
     wanted = seconds(duration)
-    from modrobust.assembly import load_robot
     from modrobust.cli.output import ProgressBar, note, print_json
     from modrobust.result import check_writable
     from modrobust.simulation import simulate as run
 
     if log is not None:
         check_writable(log)
-    robot = load_robot(file)
-    with ProgressBar(f"Simulating {robot.name}") as bar:
+    check_pictures(video, view)
+    arm = robot(file, base, tip, lock, tolerance, payload)
+    with ProgressBar(f"Simulating {arm.name}") as bar:
         result = run(
-            robot,
+            arm,
             scenario=scenario,
             parameters=parameters,
             seed=seed,
@@ -77,6 +98,7 @@ def simulate(
             duration=wanted,
             trajectory=trajectory,
             control_rate=control_rate,
+            plant=plant,
             progress=lambda done, total: bar(done / total),
         )
     if log is not None:
@@ -86,10 +108,11 @@ def simulate(
     else:
         from modrobust.cli.simulate_report import print_run
 
-        print_run(robot, result)
+        print_run(arm, result)
     if result.interrupted:
         note(f"{result.reasons[0]}; what was computed is kept{'' if log is None else f' in {log}'}")
         raise typer.Exit(130)
+    show_pictures(result, video, view)
     if not result.ok:
         raise typer.Exit(1)
 
