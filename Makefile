@@ -1,6 +1,7 @@
 # make demo: the paper's case from nothing.  make test: the whole suite.  make lint, build, clean.
 PYTHON ?= python3
 VENV := .venv
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
 BIN := $(VENV)/bin
 # What the compiled part and the metadata depend on; Python sources are read in place.
 NATIVE := pyproject.toml CMakeLists.txt src/_kernel.cpp $(wildcard src/modrobust/kernel/*.[ch]) \
