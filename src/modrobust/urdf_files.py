@@ -14,6 +14,7 @@ from modrobust.urdf_xml import Element, parse_xml, read_bytes
 
 PACKAGE = "package:"
 _XACRO_SECONDS = 30.0  # [s]
+_FRAMES = ("when ", "included from", "in file", "instantiated from")  # of its messages
 # In a process of its own, so that macros without end cost neither our time nor our memory.
 _EXPAND = (
     "import resource, sys; resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30)); "
@@ -107,7 +108,8 @@ def _expanded(name: str) -> bytes:
         raise FileError(name, f"xacro cannot be started: {error.strerror}") from None
     if done.returncode != 0:
         lines = [line.strip() for line in done.stderr.decode("utf-8", "replace").splitlines()]
-        said = next((line for line in reversed(lines) if line), "no message")
+        told = [line for line in lines if line and not line.startswith(_FRAMES)]
+        said = told[-1] if told else "no message"
         raise DescriptionError(
             name,
             None,
