@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from modrobust.robot import Bounded, ControllerSettings, Parameters, Robot
+from modrobust.robot import Bounded, ControllerSettings, Followers, Parameters, Robot
 
 Width = Literal["exact", "narrow", "wide", "mixed"]
 
@@ -142,6 +142,28 @@ def random_robot(
         upper=Parameters(**{k: side[1] for k, side in sides.items()}),
         disturbance=Bounded(nominal=np.zeros(n), lo=-d[0], hi=d[1]),
         controller=ControllerSettings(K_r=(10.0,) * n),
+    )
+
+
+def tied(robot: Robot, n: int, rng: np.random.Generator) -> Robot:
+    """The same robot with only n free joints; the others follow random ones of them."""
+    d = robot.disturbance
+    count = robot.n - n
+    return replace(
+        robot,
+        name=f"{robot.name}-tied",
+        joint_names=robot.joint_names[:n],
+        position_limits=robot.position_limits[:n],
+        velocity_limits=robot.velocity_limits[:n],
+        effort_limits=robot.effort_limits[:n],
+        disturbance=Bounded(d.nominal[:n], d.lo[:n], d.hi[:n]),
+        controller=ControllerSettings(K_r=(10.0,) * n),
+        followers=Followers(
+            names=robot.joint_names[n:],
+            leaders=rng.integers(0, n, count).astype(np.int32),
+            multiplier=rng.uniform(-2.0, 2.0, count),
+            offset=rng.uniform(-0.5, 0.5, count),
+        ),
     )
 
 

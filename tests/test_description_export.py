@@ -17,7 +17,7 @@ from modrobust.describe import mjcf_text, urdf_text
 from modrobust.describe.orientation import quaternion, roll_pitch_yaw
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.robot import Bounded, Parameters, Robot
-from random_robots import random_robot, random_state
+from random_robots import random_robot, random_state, tied
 
 TOLERANCE = 1e-12  # of the largest entry
 
@@ -29,6 +29,7 @@ def cases() -> list[Robot]:
         random_robot(rng, types="rprp", simple=True),
         random_robot(rng, 9, tree=True),
         random_robot(rng, 12),
+        tied(random_robot(rng, 6, tree=True), 4, rng),
         *(mr.load_robot(name) for name in sorted(builtin_robots())),
     ]
 
@@ -100,8 +101,8 @@ def test_the_frames_of_the_exported_urdf_are_ours(robot: Robot) -> None:
     q = np.random.default_rng(4).uniform(-1.0, 1.0, robot.n)
     pin.framesForwardKinematics(twin.model, twin.data, twin.q(q))
     ours = mr.forward_kinematics(robot, q)
-    for i in sorted(set(range(robot.n)) - set(robot.parents.tolist())):
-        tip = twin.model.getFrameId(f"{robot.joint_names[i]}.tip", pin.FrameType.BODY)
+    for i in sorted(set(range(robot.j)) - set(robot.parents.tolist())):
+        tip = twin.model.getFrameId(f"{robot.all_joint_names[i]}.tip", pin.FrameType.BODY)
         theirs = twin.data.oMf[tip].homogeneous
         np.testing.assert_allclose(theirs, robot.base @ ours[i], rtol=0, atol=1e-13)
 
@@ -161,6 +162,29 @@ def test_what_mjcf_cannot_hold_is_listed_in_the_file_and_returned() -> None:
         "velocity limits",
     )
     assert all(line in losses(exported.text) for line in exported.lost)
+
+
+def test_joints_that_follow_another_are_written_as_such() -> None:
+    rng = np.random.default_rng(8)
+    robot = replace(tied(random_robot(rng, types="prrr"), 2, rng))
+    robot = replace(robot, position_limits=np.array([[-1.0, 2.0], [-0.5, 0.25]]))
+    f = robot.followers
+    root = ET.fromstring(urdf_text(robot).text)
+    for k, name in enumerate(f.names):
+        joint = next(j for j in root.findall("joint") if j.get("name") == name)
+        mimic, limit = joint.find("mimic"), joint.find("limit")
+        assert mimic is not None
+        assert limit is not None
+        assert mimic.get("joint") == robot.joint_names[f.leaders[k]]
+        assert float(mimic.get("multiplier", "nan")) == f.multiplier[k]
+        assert float(mimic.get("offset", "nan")) == f.offset[k]
+        ends = f.multiplier[k] * robot.position_limits[f.leaders[k]] + f.offset[k]
+        assert [float(limit.get(e, "nan")) for e in ("lower", "upper")] == sorted(ends)
+    exported = mjcf_text(robot)
+    assert "that joint2, joint3 follow exactly; MuJoCo's equality is soft" in exported.lost
+    model = MjcfTwin(exported.text, robot).model
+    np.testing.assert_array_equal(model.eq_data[:, 0], f.offset)
+    np.testing.assert_array_equal(model.eq_data[:, 1], f.multiplier)
 
 
 def test_missing_limits_are_said() -> None:

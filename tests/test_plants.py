@@ -21,7 +21,7 @@ from modrobust.plants import PLANTS, make_plant
 from modrobust.result import LOGGED
 from modrobust.robot import Parameters, Robot
 from modrobust.simulation import SimulationResult, simulate
-from random_robots import random_robot
+from random_robots import random_robot, tied
 
 ENGINES = ("mujoco", "pinocchio")
 RATE = 3e3  # [Hz]
@@ -121,13 +121,17 @@ def test_a_violated_bound_is_seen_with_every_plant() -> None:
 
 
 @pytest.mark.parametrize("plant", ENGINES)
-@pytest.mark.parametrize("shape", [{"types": "rprrp"}, {"n": 7, "tree": True}])
+@pytest.mark.parametrize("shape", ["chain", "tree", "followers"])
 def test_without_a_controller_the_motion_is_that_of_our_forward_dynamics(
-    plant: str, shape: dict[str, Any]
+    plant: str, shape: str
 ) -> None:
     """No loop that would hide a difference: given torques, friction, rotors, a disturbance."""
     rng = np.random.default_rng(11)
-    robot = random_robot(rng, **shape)
+    robot = (
+        random_robot(rng, types="rprrp") if shape == "chain" else random_robot(rng, 7, tree=True)
+    )
+    if shape == "followers":
+        robot = tied(robot, 4, rng)
     point, d = robot.sample_parameters(rng), rng.normal(size=robot.n)
     q, dq = rng.normal(size=(2, robot.n))
     dt, substeps = 1e-4, 2

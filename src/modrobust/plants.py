@@ -41,8 +41,11 @@ class Plant(Protocol):
 class MujocoPlant:
     """The robot in MuJoCo: our MJCF with armature and damping, its own RK4.
 
+    Joints that follow another are an equality constraint in MuJoCo, which is soft. Then only mass
+    matrix and bias forces are MuJoCo's; they are projected on the free joints, and integrated here.
+
     Args:
-        robot: Any robot.
+        robot: Any robot with n free joints, j in all.
         parameters: What the plant is made of.
         disturbance: Constant true disturbance ``(n,)`` [N m] or [N].
         q0, dq0: State at the start, ``(n,)``.
@@ -65,30 +68,30 @@ class MujocoPlant:
     ) -> None:
         self._mujoco: Any = engine("mujoco", "mujoco", 'plant "mujoco"')
         # Without frictionloss: the smooth form is applied in _friction.
-        point = replace(parameters, coulomb=np.zeros(robot.n))
+        point = replace(parameters, coulomb=np.zeros(robot.j))
         text = mjcf_text(robot, point, timestep=dt / substeps, visual=False).text
         self._model = self._mujoco.MjModel.from_xml_string(text)
+        bits = self._mujoco.mjtDisableBit
         # A state that is out of range shall show, not start anew from zero.
-        self._model.opt.disableflags |= int(self._mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+        self._model.opt.disableflags |= int(bits.mjDSBL_AUTORESET) | int(bits.mjDSBL_EQUALITY)
         self._data = self._mujoco.MjData(self._model)
-        joints = [self._model.joint(name) for name in robot.joint_names]
+        joints = [self._model.joint(name) for name in robot.all_joint_names]
         self._dofs = np.array([joint.dofadr[0] for joint in joints], dtype=np.intp)
         self._places = np.array([joint.qposadr[0] for joint in joints], dtype=np.intp)
-        self._substeps = substeps
-        self._coulomb = np.empty(robot.n)
+        self._coulomb, self._speed2 = np.empty(robot.j), np.empty(robot.j)
         self._coulomb[self._dofs] = parameters.coulomb
-        self._smooth = bool(self._coulomb.any())
-        self._speed2 = np.empty(robot.n)
         self._speed2[self._dofs] = robot.coulomb_speed**2
-        self._data.qfrc_applied[self._dofs] = disturbance
-        self._data.qpos[self._places] = q0
-        self._data.qvel[self._dofs] = dq0
+        self._smooth = bool(self._coulomb.any())
+        self._led = _Led(robot) if robot.j > robot.n else None
+        self._disturbance, self._h, self._substeps = disturbance, dt / substeps, substeps
+        self._data.qfrc_applied[self._dofs[: robot.n]] = disturbance
+        self._data.qpos[self._places] = robot.all_positions(np.asarray(q0))
+        self._data.qvel[self._dofs[: robot.n]] = dq0
         self.q, self.dq = np.array(q0), np.array(dq0)
 
     def advance(self, tau: Array) -> None:
         """One tick."""
         mujoco = self._mujoco
-        self._data.ctrl[:] = tau
         # Both hooks are the whole process's: ours for the time of the step. Without the second,
         # MuJoCo writes a file into the working directory when a state goes out of range.
         passive, warning = mujoco.get_mjcb_passive(), mujoco.get_mju_user_warning()
@@ -96,12 +99,34 @@ class MujocoPlant:
         if self._smooth:
             mujoco.set_mjcb_passive(self._friction)
         try:
-            mujoco.mj_step(self._model, self._data, self._substeps)
+            self._step(tau)
         finally:
             mujoco.set_mjcb_passive(passive)
             mujoco.set_mju_user_warning(warning)
-        self.q = self._data.qpos[self._places]
-        self.dq = self._data.qvel[self._dofs]
+
+    def _step(self, tau: Array) -> None:
+        n = len(self.q)
+        if self._led is None:
+            self._data.ctrl[:] = tau
+            self._mujoco.mj_step(self._model, self._data, self._substeps)
+            self.q = self._data.qpos[self._places[:n]]
+            self.dq = self._data.qvel[self._dofs[:n]]
+            return
+        drive = tau + self._disturbance
+        for _ in range(self._substeps):
+            self.q, self.dq = runge_kutta(self._acceleration, self.q, self.dq, drive, self._h)
+
+    def _acceleration(self, q: Array, dq: Array, drive: Array) -> Array:
+        assert self._led is not None
+        mujoco, model, data = self._mujoco, self._model, self._data
+        data.qpos[self._places] = self._led.positions(q)
+        data.qvel[self._dofs] = self._led.G @ dq
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        M = np.empty((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, M)
+        bias = (data.qfrc_bias - data.qfrc_passive)[self._dofs]
+        return self._led.acceleration(M[np.ix_(self._dofs, self._dofs)], bias, drive)
 
     def _friction(self, _: Any, data: Any) -> None:
         v = data.qvel
@@ -116,7 +141,8 @@ class PinocchioPlant:
     """The robot in Pinocchio: our URDF, its articulated-body algorithm, classical Runge-Kutta.
 
     Arguments as those of `MujocoPlant`. Armature, gravity and friction, which URDF does not hold or
-    Pinocchio does not use, are given beside it.
+    Pinocchio does not use, are given beside it. Where joints follow others, its mass matrix and
+    nonlinear effects are projected on the free ones.
 
     Raises:
         MissingExtraError: The package pin is not installed.
@@ -132,11 +158,11 @@ class PinocchioPlant:
         dt: float,
         substeps: int,
     ) -> None:
-        pin: Any = engine("pinocchio", "pinocchio", 'plant "pinocchio"')
-        self._aba = pin.aba
-        self._model = pin.buildModelFromXML(urdf_text(robot, parameters).text)
+        self._pin: Any = engine("pinocchio", "pinocchio", 'plant "pinocchio"')
+        self._model = self._pin.buildModelFromXML(urdf_text(robot, parameters).text)
         self._model.gravity.linear = np.array(robot.gravity)
-        joints = [self._model.joints[self._model.getJointId(name)] for name in robot.joint_names]
+        names = robot.all_joint_names
+        joints = [self._model.joints[self._model.getJointId(name)] for name in names]
         self._order = np.array([joint.idx_v for joint in joints], dtype=np.intp)
         # An endless revolute joint is a cosine and a sine in Pinocchio.
         endless = np.array([joint.nq == 2 for joint in joints], dtype=bool)
@@ -144,45 +170,79 @@ class PinocchioPlant:
         self._plain, self._circle = np.flatnonzero(~endless), np.flatnonzero(endless)
         self._plain_at, self._circle_at = places[~endless], places[endless]
         self._configuration = np.zeros(self._model.nq)
-        armature = np.empty(robot.n)
+        armature = np.empty(robot.j)
         armature[self._order] = robot.gear_ratio**2 * parameters.rotor_inertia
         self._model.armature = armature
         self._data = self._model.createData()
         self._viscous, self._coulomb = parameters.viscous, parameters.coulomb
         self._speed2 = robot.coulomb_speed**2
-        self._disturbance = disturbance
-        self._h, self._substeps = dt / substeps, substeps
-        self._velocity, self._torque = np.empty(robot.n), np.empty(robot.n)
+        self._led = _Led(robot) if robot.j > robot.n else None
+        self._disturbance, self._h, self._substeps = disturbance, dt / substeps, substeps
+        self._velocity, self._torque = np.empty(robot.j), np.empty(robot.j)
         self.q, self.dq = np.array(q0), np.array(dq0)
 
     def advance(self, tau: Array) -> None:
         """One tick."""
-        drive, h = tau + self._disturbance, self._h
+        drive = tau + self._disturbance
         for _ in range(self._substeps):
-            q, v1 = self.q, self.dq
-            a1 = self._acceleration(q, v1, drive)
-            v2 = v1 + 0.5 * h * a1
-            a2 = self._acceleration(q + 0.5 * h * v1, v2, drive)
-            v3 = v1 + 0.5 * h * a2
-            a3 = self._acceleration(q + 0.5 * h * v2, v3, drive)
-            v4 = v1 + h * a3
-            a4 = self._acceleration(q + h * v3, v4, drive)
-            self.q = q + h / 6.0 * (v1 + 2.0 * (v2 + v3) + v4)
-            self.dq = v1 + h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
+            self.q, self.dq = runge_kutta(self._acceleration, self.q, self.dq, drive, self._h)
 
     def _acceleration(self, q: Array, dq: Array, drive: Array) -> Array:
-        self._configuration[self._plain_at] = q[self._plain]
+        pin, model, data, led = self._pin, self._model, self._data, self._led
+        everything = q if led is None else led.positions(q)
+        rates = dq if led is None else led.G @ dq
+        self._configuration[self._plain_at] = everything[self._plain]
         if len(self._circle):
-            angle = q[self._circle]
+            angle = everything[self._circle]
             self._configuration[self._circle_at] = np.cos(angle)
             self._configuration[self._circle_at + 1] = np.sin(angle)
-        smooth = dq / np.sqrt(dq * dq + self._speed2)
-        self._velocity[self._order] = dq
-        self._torque[self._order] = drive - self._viscous * dq - self._coulomb * smooth
-        a: Array = self._aba(
-            self._model, self._data, self._configuration, self._velocity, self._torque
-        )[self._order]
+        smooth = rates / np.sqrt(rates * rates + self._speed2)
+        friction = self._viscous * rates + self._coulomb * smooth
+        self._velocity[self._order] = rates
+        if led is None:
+            self._torque[self._order] = drive - friction
+            a = pin.aba(model, data, self._configuration, self._velocity, self._torque)
+            free: Array = a[self._order]
+            return free
+        upper = np.triu(pin.crba(model, data, self._configuration))
+        M = upper + np.triu(upper, 1).T
+        bias = pin.nonLinearEffects(model, data, self._configuration, self._velocity)[self._order]
+        return led.acceleration(M[np.ix_(self._order, self._order)], bias + friction, drive)
+
+
+class _Led:
+    """The j joints of a robot led by its n free ones, q_all = G q + offset, (15)."""
+
+    def __init__(self, robot: Robot) -> None:
+        f = robot.followers
+        self.positions = robot.all_positions
+        self.G = np.eye(robot.j, robot.n)
+        self.G[np.arange(robot.n, robot.j), f.leaders] = f.multiplier
+
+    def acceleration(self, M: Array, bias: Array, drive: Array) -> Array:
+        """Of the free joints ``(n,)``: M (j, j), bias (j,), drive (n,)."""
+        G = self.G
+        a: Array = np.linalg.solve(G.T @ M @ G, drive - G.T @ bias)
         return a
+
+
+def runge_kutta(
+    acceleration: Callable[[Array, Array, Array], Array],
+    q: Array,
+    dq: Array,
+    drive: Array,
+    h: float,
+) -> tuple[Array, Array]:
+    """One step of the classical method: q and dq after h [s] under held torques."""
+    a1 = acceleration(q, dq, drive)
+    v2 = dq + 0.5 * h * a1
+    a2 = acceleration(q + 0.5 * h * dq, v2, drive)
+    v3 = dq + 0.5 * h * a2
+    a3 = acceleration(q + 0.5 * h * v2, v3, drive)
+    v4 = dq + h * a3
+    a4 = acceleration(q + h * v3, v4, drive)
+    after = q + h / 6.0 * (dq + 2.0 * (v2 + v3) + v4)
+    return after, dq + h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
 
 
 _PLANTS: dict[str, Callable[..., Plant]] = {"mujoco": MujocoPlant, "pinocchio": PinocchioPlant}

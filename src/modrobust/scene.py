@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust import _kernel
-from modrobust.describe.common import numbers
+from modrobust.describe.common import leaves, numbers
 from modrobust.describe.geoms import reach
 from modrobust.describe.mjcf import mjcf_element
 from modrobust.errors import MissingExtraError
@@ -27,7 +27,7 @@ Picture = NDArray[np.uint8]
 
 SIZE = (640, 480)  # [pixels], width and height; even, as H.264 demands
 _ROUND = {"numslices": "16", "numstacks": "8"}  # software OpenGL pays for every facet
-_WAS, _WANTED = (0.95, 0.45, 0.1, 0.9), (0.1, 0.4, 0.9, 0.5)
+_WAS, _WANTED = (0.95, 0.45, 0.1, 0.9), (0.1, 0.4, 0.9, 0.25)
 
 
 class Scene:
@@ -56,7 +56,7 @@ class Scene:
         self.model, floor, self._camera = scene_model(self._mujoco, robot, q, parameters, size)
         self._data = self._mujoco.MjData(self.model)
         self._places = joint_places(self.model, robot)
-        self._tips = sorted(set(range(robot.n)) - set(robot.parents.tolist()))
+        self._tips = leaves(robot)
         self._dot = 0.006 * max(reach(robot), floor)
         self._scene = self._mujoco.MjvScene(self.model, 2000)
         self._option = self._mujoco.MjvOption()
@@ -83,7 +83,7 @@ class Scene:
             Height x width x 3.
         """
         mj = self._mujoco
-        self._data.qpos[self._places] = q
+        self._data.qpos[self._places] = self._robot.all_positions(q)
         mj.mj_forward(self.model, self._data)
         mj.mjv_updateScene(
             self.model,
@@ -94,9 +94,9 @@ class Scene:
             mj.mjtCatBit.mjCAT_ALL.value,
             self._scene,
         )
-        for states, colour in ((wanted, _WANTED), (was, _WAS)):
+        for states, colour, size in ((was, _WAS, 1.0), (wanted, _WANTED, 1.8)):
             for state in () if states is None else states:
-                self._dots(state, colour)
+                self._dots(state, colour, size * self._dot)
         width, height = self._size
         rectangle = mj.MjrRect(0, 0, width, height)
         pixels = np.empty((height, width, 3), dtype=np.uint8)
@@ -104,7 +104,7 @@ class Scene:
         mj.mjr_readPixels(pixels, None, rectangle, self._renderer)
         return np.flipud(pixels)
 
-    def _dots(self, q: Array, colour: tuple[float, float, float, float]) -> None:
+    def _dots(self, q: Array, colour: tuple[float, float, float, float], radius: float) -> None:
         frames = _kernel.forward_kinematics(self._robot.model, np.ascontiguousarray(q))
         for tip in self._tips:
             if self._scene.ngeom >= self._scene.maxgeom:
@@ -112,7 +112,7 @@ class Scene:
             self._mujoco.mjv_initGeom(
                 self._scene.geoms[self._scene.ngeom],
                 self._mujoco.mjtGeom.mjGEOM_SPHERE.value,
-                np.full(3, self._dot),
+                np.full(3, radius),
                 (self._robot.base @ frames[tip])[:3, 3],
                 np.eye(3).ravel(),
                 np.array(colour, dtype=np.float32),
@@ -187,7 +187,7 @@ def _extent(mujoco: Any, model: Any, robot: Robot, q: Array) -> tuple[Array, Arr
     data, places = mujoco.MjData(model), joint_places(model, robot)
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for state in q:
-        data.qpos[places] = state
+        data.qpos[places] = robot.all_positions(state)
         mujoco.mj_kinematics(model, data)
         size = model.geom_rbound[:, None]
         low = np.minimum(low, (data.geom_xpos - size).min(axis=0))
@@ -196,8 +196,8 @@ def _extent(mujoco: Any, model: Any, robot: Robot, q: Array) -> tuple[Array, Arr
 
 
 def joint_places(model: Any, robot: Robot) -> NDArray[np.intp]:
-    """Where the positions of our joints are in MuJoCo's, (n,)."""
-    joints = [model.joint(name) for name in robot.joint_names]
+    """Where the positions of our j joints are in MuJoCo's, (j,)."""
+    joints = [model.joint(name) for name in robot.all_joint_names]
     return np.array([joint.qposadr[0] for joint in joints], dtype=np.intp)
 
 

@@ -68,7 +68,7 @@ def view(result: SimulationResult, *, rounds: int | None = None) -> None:
             while window.is_running():
                 now = time.monotonic() - begin
                 k = min(int(np.searchsorted(t - t[0], now)), len(t) - 1)
-                data.qpos[places] = q[k]
+                data.qpos[places] = robot.all_positions(q[k])
                 mujoco.mj_forward(model, data)
                 window.sync()
                 if now > t[-1] - t[0] + _PAUSE:

@@ -56,7 +56,7 @@ def point_of(robot: Robot, parameters: Parameters | None) -> Parameters:
     if parameters.packed.shape != robot.nominal.packed.shape or len(parameters.mass) != robot.b:
         raise ShapeError(
             f"parameters: of {len(parameters.mass)} bodies and {len(parameters.viscous)} joints; "
-            f'robot "{robot.name}" has {robot.b} and {robot.n}'
+            f'robot "{robot.name}" has {robot.b} and {robot.j}'
         )
     return parameters
 
@@ -78,6 +78,22 @@ def body_origin(robot: Robot, k: int) -> Array:
     return frame
 
 
+def leaves(robot: Robot) -> list[int]:
+    """Joints whose links carry no further joint."""
+    return sorted(set(range(robot.j)) - set(robot.parents.tolist()))
+
+
+def joint_range(robot: Robot, i: int) -> tuple[float, float]:
+    """Position limits of any joint; a follower's are its leader's, carried over."""
+    if i < robot.n:
+        lo, hi = robot.position_limits[i]
+    else:
+        f, k = robot.followers, i - robot.n
+        ends = f.multiplier[k] * robot.position_limits[f.leaders[k]] + f.offset[k]
+        lo, hi = ends.min(), ends.max()
+    return float(lo), float(hi)
+
+
 def weighs(point: Parameters, k: int) -> bool:
     """Whether body k has anything to write; an unknown payload at its lower bound has not."""
     return bool(point.mass[k] > 0.0 or point.inertia[k].any())
@@ -95,9 +111,9 @@ def without_bounds(robot: Robot) -> list[str]:
 
 
 def listed(robot: Robot, which: Array | NDArray[np.bool_]) -> str:
-    """Names of the joints for which `which` (n,) holds; "every joint" for all."""
-    chosen = [name for name, yes in zip(robot.joint_names, which, strict=True) if yes]
-    return "every joint" if len(chosen) == robot.n else ", ".join(chosen)
+    """Names of the joints for which `which` (n,) or (j,) holds; "every joint" for all."""
+    chosen = [name for name, yes in zip(robot.all_joint_names, which, strict=False) if yes]
+    return "every joint" if len(chosen) == robot.j else ", ".join(chosen)
 
 
 def document(root: ET.Element, robot: Robot, kind: str, lost: Sequence[str]) -> str:

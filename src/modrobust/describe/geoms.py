@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust.describe.common import body_origin, joint_origin, number, numbers
+from modrobust.describe.common import body_origin, joint_origin, joint_range, number, numbers
 from modrobust.describe.orientation import quaternion
 from modrobust.robot import Parameters, Robot
 
@@ -28,21 +28,21 @@ _NEAR = 0.5  # of the radius: a point so near is not worth a capsule
 
 def reach(robot: Robot) -> float:
     """Length of the longest way from the base over the joints to a tip [m], at q = 0; not 0."""
-    ends = np.zeros(robot.n)
-    for i in range(robot.n):
+    ends = np.zeros(robot.j)
+    for i in range(robot.j):
         parent = int(robot.parents[i])
         ends[i] = _length(joint_origin(robot, i)) + (ends[parent] if parent >= 0 else 0.0)
-    tips = [ends[i] + _length(robot.after[i]) for i in range(robot.n)]
+    tips = [ends[i] + _length(robot.after[i]) for i in range(robot.j)]
     return float(max([*tips, 1e-2]))
 
 
 def radii(robot: Robot) -> Array:
     """Radius with which each link is drawn (n,) [m], thinner towards the tips."""
-    lengths = [_length(joint_origin(robot, i)) for i in range(robot.n)]
-    lengths += [_length(robot.after[i]) for i in range(robot.n)]
+    lengths = [_length(joint_origin(robot, i)) for i in range(robot.j)]
+    lengths += [_length(robot.after[i]) for i in range(robot.j)]
     thick = min(0.05 * reach(robot), 0.35 * max([*lengths, 1e-2]))
-    depth = np.zeros(robot.n)
-    for i in range(robot.n):
+    depth = np.zeros(robot.j)
+    for i in range(robot.j):
         parent = int(robot.parents[i])
         depth[i] = 0.0 if parent < 0 else depth[parent] + 1.0
     return np.asarray(thick * (1.0 - 0.45 * depth / max(float(depth.max(initial=0.0)), 1.0)))
@@ -51,7 +51,7 @@ def radii(robot: Robot) -> Array:
 def add_geoms(frames: dict[int, ET.Element], robot: Robot, point: Parameters) -> None:
     """Geoms for every link's body element; -1 is the base."""
     r = radii(robot)
-    children: dict[int, list[int]] = {i: [] for i in range(-1, robot.n)}
+    children: dict[int, list[int]] = {i: [] for i in range(-1, robot.j)}
     for i, parent in enumerate(robot.parents):
         children[int(parent)].append(i)
     thick = float(r.max(initial=0.01))
@@ -88,7 +88,7 @@ def _capsule(frame: ET.Element, end: Array, r: float, colour: str) -> None:
 
 def _rail(frame: ET.Element, robot: Robot, c: int, r: float) -> None:
     """What joint c slides along: all of its way where that has ends."""
-    lo, hi = robot.position_limits[c]
+    lo, hi = joint_range(robot, c)
     if not (np.isfinite(lo) and np.isfinite(hi)):
         return
     T = joint_origin(robot, c)

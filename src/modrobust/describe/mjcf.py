@@ -13,6 +13,8 @@ from modrobust.describe.common import (
     body_origin,
     document,
     joint_origin,
+    joint_range,
+    listed,
     number,
     numbers,
     point_of,
@@ -81,13 +83,13 @@ def mjcf_element(
     bodies = [names.new(name) for name in robot.body_names]
     base = _frame(world, names.new("base"), robot.base)
     frames: dict[int, ET.Element] = {-1: base}
-    moved: dict[int, list[int]] = {i: [] for i in range(-1, robot.n)}
+    moved: dict[int, list[int]] = {i: [] for i in range(-1, robot.j)}
     for k, i in enumerate(robot.body_joints):
         moved[int(i)].append(k)
     _fixed_bodies(base, robot, point, moved[-1], bodies, lost)
-    for i in range(robot.n):
+    for i in range(robot.j):
         own = next((k for k in moved[i] if _can_move(point, k)), None)
-        name = names.new(f"{robot.joint_names[i]}.link") if own is None else bodies[own]
+        name = names.new(f"{robot.all_joint_names[i]}.link") if own is None else bodies[own]
         frame = _frame(frames[int(robot.parents[i])], name, joint_origin(robot, i))
         frames[i] = frame
         _joint(frame, robot, point, i)
@@ -102,12 +104,14 @@ def mjcf_element(
                 diaginertia=numbers([_STAND_IN] * 3),
             )
             lost.append(
-                f"that {robot.joint_names[i]} moves no extended body of its own; "
+                f"that {robot.all_joint_names[i]} moves no extended body of its own; "
                 f"{_STAND_IN:g} kg and kg m^2 stand in"
             )
         _fixed_bodies(frame, robot, point, [k for k in moved[i] if k != own], bodies, lost)
     if visual:
         add_geoms(frames, robot, point)
+    if robot.j > robot.n:
+        _followers(ET.SubElement(root, "equality"), robot)
     actuators = ET.SubElement(root, "actuator")
     for i, name in enumerate(robot.joint_names):
         motor = ET.SubElement(actuators, "motor", name=name, joint=name, gear="1")
@@ -125,13 +129,22 @@ def _frame(parent: ET.Element, name: str, T: Array) -> ET.Element:
 
 def _joint(body: ET.Element, robot: Robot, point: Parameters, i: int) -> None:
     kind = "hinge" if robot.joint_types[i] == "revolute" else "slide"
-    joint = ET.SubElement(body, "joint", name=robot.joint_names[i], type=kind, axis="0 0 1")
-    if np.isfinite(robot.position_limits[i]).all():
-        joint.set("range", numbers(robot.position_limits[i]))
+    joint = ET.SubElement(body, "joint", name=robot.all_joint_names[i], type=kind, axis="0 0 1")
+    limits = joint_range(robot, i)
+    if np.isfinite(limits).all():
+        joint.set("range", numbers(limits))
         joint.set("limited", "false")
     joint.set("armature", number(robot.gear_ratio[i] ** 2 * point.rotor_inertia[i]))
     joint.set("damping", number(point.viscous[i]))
     joint.set("frictionloss", number(point.coulomb[i]))
+
+
+def _followers(equality: ET.Element, robot: Robot) -> None:
+    f = robot.followers
+    for k, name in enumerate(f.names):
+        line = numbers([f.offset[k], f.multiplier[k], 0.0, 0.0, 0.0])
+        leader = robot.joint_names[f.leaders[k]]
+        ET.SubElement(equality, "joint", joint1=name, joint2=leader, polycoef=line)
 
 
 def _fixed_bodies(
@@ -186,6 +199,9 @@ def _lost(robot: Robot, point: Parameters) -> list[str]:
         lost.append(
             "Coulomb friction as F_c s(dq); frictionloss holds F_c, MuJoCo makes a constraint of it"
         )
+    if robot.j > robot.n:
+        following = np.arange(robot.j) >= robot.n
+        lost.append(f"that {listed(robot, following)} follow exactly; MuJoCo's equality is soft")
     if np.isfinite(robot.velocity_limits).any():
         lost.append("velocity limits")
     return lost

@@ -13,6 +13,8 @@ from modrobust.describe.common import (
     body_origin,
     document,
     joint_origin,
+    joint_range,
+    leaves,
     listed,
     number,
     numbers,
@@ -47,31 +49,33 @@ def urdf_text(robot: Robot, parameters: Parameters | None = None) -> Exported:
     point = point_of(robot, parameters)
     root = ET.Element("robot", name=robot.name)
     names = Names(robot.body_names)
-    joints = Names(robot.joint_names)
+    joints = Names(robot.all_joint_names)
     world, base = names.new("world"), names.new("base")
     ET.SubElement(root, "link", name=world)
     _fixed(root, joints.new("base.mount"), world, base, robot.base)
     links: dict[int, str] = {-1: base}
     ET.SubElement(root, "link", name=base)
-    moved: dict[int, list[int]] = {i: [] for i in range(-1, robot.n)}
+    moved: dict[int, list[int]] = {i: [] for i in range(-1, robot.j)}
     for k, i in enumerate(robot.body_joints):
         moved[int(i)].append(k)
-    for i in range(robot.n):
+    for i in range(robot.j):
         own = moved[i]
-        links[i] = robot.body_names[own[0]] if own else names.new(f"{robot.joint_names[i]}.link")
-    for i in range(robot.n):
+        links[i] = (
+            robot.body_names[own[0]] if own else names.new(f"{robot.all_joint_names[i]}.link")
+        )
+    for i in range(robot.j):
         _joint(root, robot, point, i, links[int(robot.parents[i])], links[i])
         link = ET.SubElement(root, "link", name=links[i])
         if moved[i]:
             _inertial(link, robot, point, moved[i][0], body_origin(robot, moved[i][0]))
-    for i in range(-1, robot.n):
+    for i in range(-1, robot.j):
         for k in moved[i] if i < 0 else moved[i][1:]:
             name = robot.body_names[k]
             _fixed(root, joints.new(f"{name}.fixed"), links[i], name, body_origin(robot, k))
             _inertial(ET.SubElement(root, "link", name=name), robot, point, k, np.eye(4))
-    for i in sorted(set(range(robot.n)) - set(robot.parents.tolist())):
-        tip = names.new(f"{robot.joint_names[i]}.tip")
-        _fixed(root, joints.new(f"{robot.joint_names[i]}.tip"), links[i], tip, robot.after[i])
+    for i in leaves(robot):
+        tip = names.new(f"{robot.all_joint_names[i]}.tip")
+        _fixed(root, joints.new(f"{robot.all_joint_names[i]}.tip"), links[i], tip, robot.after[i])
         ET.SubElement(root, "link", name=tip)
     for i in np.flatnonzero(robot.gear_ratio):
         _transmission(root, robot, int(i))
@@ -94,13 +98,13 @@ def _fixed(root: ET.Element, name: str, parent: str, child: str, T: Array) -> No
 def _joint(
     root: ET.Element, robot: Robot, point: Parameters, i: int, parent: str, child: str
 ) -> None:
-    lo, hi = robot.position_limits[i]
+    lo, hi = joint_range(robot, i)
     endless = not (np.isfinite(lo) and np.isfinite(hi))
     kind = robot.joint_types[i]
     joint = ET.SubElement(
         root,
         "joint",
-        name=robot.joint_names[i],
+        name=robot.all_joint_names[i],
         type="continuous" if endless and kind == "revolute" else kind,
     )
     _origin(joint, joint_origin(robot, i))
@@ -111,8 +115,14 @@ def _joint(
     if not (endless and kind == "revolute"):
         limit.set("lower", number(np.clip(lo, -NO_LIMIT, NO_LIMIT)))
         limit.set("upper", number(np.clip(hi, -NO_LIMIT, NO_LIMIT)))
-    limit.set("effort", number(min(robot.effort_limits[i], NO_LIMIT)))
-    limit.set("velocity", number(min(robot.velocity_limits[i], NO_LIMIT)))
+    free = i < robot.n
+    limit.set("effort", number(min(robot.effort_limits[i], NO_LIMIT) if free else NO_LIMIT))
+    limit.set("velocity", number(min(robot.velocity_limits[i], NO_LIMIT) if free else NO_LIMIT))
+    if not free:
+        f, k = robot.followers, i - robot.n
+        leader = robot.joint_names[f.leaders[k]]
+        ratio = {"multiplier": number(f.multiplier[k]), "offset": number(f.offset[k])}
+        ET.SubElement(joint, "mimic", {"joint": leader, **ratio})
     viscous, coulomb = number(point.viscous[i]), number(point.coulomb[i])
     ET.SubElement(joint, "dynamics", damping=viscous, friction=coulomb)
 
@@ -135,7 +145,7 @@ def _inertial(link: ET.Element, robot: Robot, point: Parameters, k: int, T: Arra
 
 
 def _transmission(root: ET.Element, robot: Robot, i: int) -> None:
-    name = robot.joint_names[i]
+    name = robot.all_joint_names[i]
     transmission = ET.SubElement(root, "transmission", name=f"{name}.transmission")
     ET.SubElement(transmission, "type").text = "transmission_interface/SimpleTransmission"
     joint = ET.SubElement(transmission, "joint", name=name)
@@ -156,15 +166,16 @@ def _lost(robot: Robot, point: Parameters) -> list[str]:
         )
     if tuple(robot.gravity) != _STANDARD_GRAVITY:
         lost.append(f"gravity ({numbers(robot.gravity)}) m/s^2; readers assume (0 0 -9.81)")
-    revolute = np.array([kind == "revolute" for kind in robot.joint_types])
+    revolute = np.array([kind == "revolute" for kind in robot.joint_types[: robot.n]])
     finite = np.isfinite(robot.position_limits)
     half_open = revolute & (finite.sum(axis=1) == 1)
     if half_open.any():
         lost.append(f"the one-sided position limit of {listed(robot, half_open)}")
+    unknown = np.full(robot.j - robot.n, np.inf)  # those of followers
     missing = (
         ("position", ~revolute & ~finite.all(axis=1)),
-        ("velocity", ~np.isfinite(robot.velocity_limits)),
-        ("effort", ~np.isfinite(robot.effort_limits)),
+        ("velocity", ~np.isfinite(np.append(robot.velocity_limits, unknown))),
+        ("effort", ~np.isfinite(np.append(robot.effort_limits, unknown))),
     )
     for what, where in missing:
         if where.any():
