@@ -163,6 +163,57 @@ def test_a_locked_joint_moves_with_its_parent(tmp_path: Path) -> None:
     assert_agrees(path, arm, {"b1": 0.2, "e1": -0.7})
 
 
+def mimicking() -> str:
+    """One joint leads three others: one beside it, one behind it, one that follows a follower."""
+    axis = '<origin xyz="0 0.1 0.2" rpy="0.3 0 0.1"/><axis xyz="1 0 0.4"/>' + LIMIT
+
+    def led(leader: str, multiplier: float, offset: float) -> str:
+        return f'{axis}<mimic joint="{leader}" multiplier="{multiplier}" offset="{offset}"/>'
+
+    return robot(
+        link("base", ""), *(link(name) for name in ("a", "b", "c", "d", "e")),
+        joint("d1", "a", "d", "prismatic", led("b1", -0.25, 0.1)), joint("a1", "base", "a"),
+        joint("b1", "a", "b", inside=axis), joint("c1", "b", "c", inside=led("b1", 0.5, 0.0)),
+        joint("e1", "c", "e", inside=led("c1", 0.8, -0.05)),
+    )  # fmt: skip
+
+
+def test_joints_that_mimic_follow_with_their_torque_on_the_leader(tmp_path: Path) -> None:
+    path = written(tmp_path, mimicking())
+    arm = mr.load_robot(path)
+    assert arm.joint_names == ("a1", "b1")
+    followers = dict(zip(arm.followers.names, arm.followers.multiplier.tolist(), strict=True))
+    assert followers == {"d1": -0.25, "c1": 0.5, "e1": 0.4}
+    names = ("a1", "b1", "c1", "d1", "e1")
+    G = np.array([[1, 0], [0, 1], [0, 0.5], [0, -0.25], [0, 0.4]])
+    offset = np.array([0, 0, 0, 0.1, -0.05])
+    rng = np.random.default_rng(RNG)
+    for _ in range(5):
+        q, dq, ddq = rng.uniform(-1.5, 1.5, (3, 2))
+        tau, _, M = pinocchio_terms(path, names, G @ q + offset, G @ dq, G @ ddq, {})
+        ours = mr.inverse_dynamics(arm, q, dq, dq, ddq, drives=False)
+        np.testing.assert_allclose(ours, G.T @ tau, rtol=1e-9)
+        np.testing.assert_allclose(mr.mass_matrix(arm, q, drives=False), G.T @ M @ G, rtol=1e-9)
+
+
+def test_a_leader_keeps_its_followers_within_their_limits(tmp_path: Path) -> None:
+    arm = mr.load_robot(written(tmp_path, mimicking()))
+    # d1 in [-2, 2.5] with q = -0.25 b1 + 0.1 allows more; e1 = 0.4 b1 - 0.05 as well.
+    assert arm.position_limits[1].tolist() == [-2.0, 2.5]
+    faster = mimicking().replace('multiplier="0.5"', 'multiplier="2"')
+    arm = mr.load_robot(written(tmp_path, faster))
+    assert arm.position_limits[1].tolist() == [-1.0, 1.25]
+    assert arm.velocity_limits[1] == 0.75
+    assert any("so that joint c1, which follows it, keeps its own" in note for note in arm.notes)
+
+
+def test_a_lock_of_the_leader_locks_who_follows(tmp_path: Path) -> None:
+    path = written(tmp_path, mimicking())
+    arm = mr.load_robot(path, lock={"b1": 0.4})
+    assert arm.joint_names == ("a1",)
+    assert_agrees(path, arm, {"b1": 0.4, "c1": 0.2, "d1": 0.0, "e1": 0.11})
+
+
 def test_base_and_tip_select_a_chain(tmp_path: Path) -> None:
     path = written(tmp_path, branched())
     arm = mr.load_robot(path, base="a", tip="e")

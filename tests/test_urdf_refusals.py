@@ -205,14 +205,31 @@ ROBOTS = {
         "robot with a base that moves freely is none here; take the part behind it with "
         "base_link: arm (--base arm)",
     ),
-    "mimic": (
+    "free behind a follower": (
         robot(
-            BASE, TURN, ARM, link("finger"),
+            BASE, TURN, ARM, link("finger"), link("tip"),
+            joint("follow", "arm", "finger", inside=AXIS + LIMIT + '<mimic joint="turn"/>'),
+            joint("last", "finger", "tip"),
+        ),
+        ':8: joint last: moves freely behind joint "follow", which follows another; that is not '
+        "modelled; freeze one of them with --lock last=VALUE or --lock follow=VALUE",
+    ),
+    "leader that does not move": (
+        robot(
+            BASE, joint("turn", "base", "arm", "fixed", ""), ARM, link("finger"),
             joint("follow", "arm", "finger", inside=AXIS + LIMIT + '<mimic joint="turn"/>'),
         ),
-        ':6: joint follow, mimic: follows joint "turn"; two joints on one drive are not modelled '
-        "yet; freeze both with --lock turn=VALUE (lock: {turn: VALUE}), or leave them out with "
-        "--tip LINK",
+        ':6: joint follow, mimic: follows joint "turn", which does not move here (fixed, or not '
+        "chosen); a joint follows one that moves; freeze it with --lock follow=VALUE",
+    ),
+    "limits of leader and follower apart": (
+        robot(
+            BASE, TURN, ARM, link("finger"),
+            joint("follow", "arm", "finger",
+                  inside=AXIS + LIMIT + '<mimic joint="turn" offset="9"/>'),
+        ),
+        ':6: joint follow, mimic: within its limits only where joint "turn" is outside its own; '
+        "correct the limits or multiplier and offset",
     ),
     "nothing moves": (
         robot(BASE, joint("weld", "base", "arm", "fixed", ""), ARM),

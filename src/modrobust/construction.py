@@ -12,7 +12,7 @@ from modrobust.formats.structure import did_you_mean
 from modrobust.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.physical import is_physical
 from modrobust.regularity import refuse_singular
-from modrobust.robot import Bounded, Parameters, Robot
+from modrobust.robot import Bounded, Followers, Parameters, Robot
 from modrobust.scenarios import scenario_parameters
 from modrobust.settings import controller_settings, per_joint, trajectory_settings
 
@@ -34,8 +34,9 @@ def build(description: Assembly, parts: Parts) -> Robot:
     joints = parts.joints
     bodies = [*parts.bodies, *_payload(description, parts)]
     nominal, lower, upper = (_parameters(bodies, joints, end) for end in ("nominal", "lo", "hi"))
-    names = tuple(joint.name for joint in joints)
-    items = [joint.item for joint in joints]
+    free = [joint for joint in joints if joint.follows is None]  # the others stand behind them
+    names = tuple(joint.name for joint in free)
+    items = [joint.item for joint in free]
     types = tuple(item.type for item in items)
     disturbance = per_joint(description.disturbance, names, types) or [_ZERO] * len(names)
     body_names = tuple(body.name for body in bodies)
@@ -48,15 +49,15 @@ def build(description: Assembly, parts: Parts) -> Robot:
         gravity=np.array(description.gravity),
         base=description.base,
         joint_names=names,
-        joint_types=types,
+        joint_types=tuple(joint.item.type for joint in joints),
         parents=np.array([joint.parent for joint in joints], dtype=np.int32),
         before=np.array([joint.before for joint in joints]),
         after=np.array([joint.after for joint in joints]),
         position_limits=np.array(limits),
         velocity_limits=np.array([_or_infinite(item.velocity) for item in items]),
         effort_limits=np.array([_or_infinite(item.effort) for item in items]),
-        gear_ratio=np.array([item.gear_ratio or 0.0 for item in items]),
-        coulomb_speed=np.array([item.coulomb_speed for item in items]),
+        gear_ratio=np.array([joint.item.gear_ratio or 0.0 for joint in joints]),
+        coulomb_speed=np.array([joint.item.coulomb_speed for joint in joints]),
         body_names=body_names,
         body_joints=np.array([body.joint for body in bodies], dtype=np.int32),
         placement=np.array([body.placement for body in bodies]).reshape(-1, 4, 4),
@@ -82,6 +83,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
         initial_q=_vector(per_joint(description.initial_q, names, types)),
         initial_dq=_vector(per_joint(description.initial_dq, names, types)),
         modules=parts.nodes,
+        followers=_followers(joints),
     )
     refuse_singular(robot, [item.where for item in items])
     return robot
@@ -119,6 +121,16 @@ def _payload(description: Assembly, parts: Parts) -> list[PlacedBody]:
             "payload", 'a body is named "payload" already; names differ; rename that one'
         )
     return [PlacedBody("payload", joint, frame, payload.mass, payload.com, payload.inertia)]
+
+
+def _followers(joints: Sequence[PlacedJoint]) -> Followers:
+    found = [(joint.name, joint.follows) for joint in joints if joint.follows is not None]
+    return Followers(
+        names=tuple(name for name, _ in found),
+        leaders=np.array([leader for _, (leader, _, _) in found], dtype=np.int32),
+        multiplier=np.array([multiplier for _, (_, multiplier, _) in found], dtype=np.float64),
+        offset=np.array([offset for _, (_, _, offset) in found], dtype=np.float64),
+    )
 
 
 def _article(word: str) -> str:

@@ -17,11 +17,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class PlacedJoint(JointStep):
-    """A joint in the tree: index of its parent (-1 = base), ``before`` and ``after`` (4, 4)."""
+    """A joint in the tree: index of its parent (-1 = base), ``before`` and ``after`` (4, 4).
+
+    A joint that follows another has the index of that one, multiplier and offset [rad] or [m]:
+    q = multiplier * q_leader + offset.
+    """
 
     parent: int
     before: Array
     after: Array
+    follows: tuple[int, float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +43,7 @@ class PlacedBody:
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """Joints, parents first; bodies; and the named frames where a payload can be.
+    """Joints, parents first, followers last; bodies; named frames where a payload can be.
 
     Args:
         ends: Name (of an instance, of a link) to joint index and frame (4, 4) in its link frame.

@@ -20,6 +20,7 @@ from modrobust.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.robot import ModuleNode
 from modrobust.urdf_confirm import confirm
 from modrobust.urdf_files import find_file, load_tree
+from modrobust.urdf_followers import within_followers
 from modrobust.urdf_items import inertial_key, is_frame, is_point, read_body, read_urdf_joint
 from modrobust.urdf_reader import Description, Inertial, read_description
 from modrobust.urdf_tree import Selection, select
@@ -58,9 +59,11 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
             motion.parent,
             motion.before,
             motion.after,
+            motion.follows,
         )
         for motion in chosen.motions
     )
+    joints = within_followers(joints, notes)
     bodies = _bodies(description, chosen, source, tolerances, notes)
     _need_mass(chosen, joints, bodies)
     notes += _placeholders(description, chosen)
@@ -168,8 +171,8 @@ def _need_mass(
     for index in range(len(joints) - 1, -1, -1):
         joint = joints[index]
         if index in loaded:
-            loaded.add(joint.parent)
-        elif joint.item.rotor_inertia is None:
+            loaded |= {joint.parent} if joint.follows is None else {joint.parent, joint.follows[0]}
+        elif joint.follows is None and joint.item.rotor_inertia is None:
             links = [name for name, (owner, _) in chosen.frames.items() if owner == index]
             raise joint.item.where.error(
                 f"joint {joint.name}",

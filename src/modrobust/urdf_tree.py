@@ -13,7 +13,7 @@ link a body of its own.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,17 +30,21 @@ MOVING = ("revolute", "continuous", "prismatic")
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A joint of the robot: index of its parent (-1 = base), ``before`` and ``after`` (4, 4)."""
+    """A joint of the robot: index of its parent (-1 = base), ``before`` and ``after`` (4, 4).
+
+    follows: index of the joint that leads, multiplier, offset; None for a joint that is free.
+    """
 
     joint: Joint
     parent: int
     before: Array
     after: Array
+    follows: tuple[int, float, float] | None = None
 
 
 @dataclass(frozen=True)
 class Selection:
-    """The robot's joints, parents first, and the frame of every link in what it moves with.
+    """The joints, parents first and followers last, and every link's frame in what it moves with.
 
     Args:
         frames: Link name to index of the joint it moves with (-1 = base) and frame (4, 4).
@@ -87,14 +91,15 @@ def select(
 
     Raises:
         DescriptionError: A name that does not exist, a tip that is not behind the base, a lock
-            outside the limits, or a joint that cannot move here: floating, planar, mimic.
+            outside the limits, or a joint that cannot move here: floating, planar, or one that
+            follows a joint which is not there.
     """
     first = _link(description, base, "base_link") or description.root
     last = _link(description, tip, "tip_link")
     path = None if last is None else _path(description, first, last, tip)
     walk = _Walk(description, _locked(description, lock), path, last)
     walk.run(first)
-    motions, frames = walk.motions, walk.frames
+    motions, frames = _free_first(description, walk.motions, walk.frames)
     if last is not None and motions:
         _fold_tip(motions, frames, last)
     if last is None:
@@ -169,10 +174,12 @@ def _locked(description: Description, lock: Mapping[str, Node]) -> dict[str, flo
     while progress:  # followers of followers
         progress = False
         for joint in description.joints.values():
-            leader = joint.mimic.leader if joint.mimic else None
-            if leader in found and joint.name not in found and joint.type in MOVING:
-                assert joint.mimic is not None
-                found[joint.name] = joint.mimic.multiplier * found[leader] + joint.mimic.offset
+            mimic = joint.mimic
+            if mimic is None or joint.name in found or joint.type not in MOVING:
+                continue
+            if mimic.multiplier == 0.0 or mimic.leader in found:
+                led = 0.0 if mimic.multiplier == 0.0 else found[mimic.leader]
+                found[joint.name] = mimic.multiplier * led + mimic.offset
                 progress = True
     return found
 
@@ -235,14 +242,6 @@ class _Walk:
                 f"robot with a base that moves freely is none here; take the part behind it "
                 f"with base_link: {joint.child} (--base {joint.child})",
             )
-        if joint.mimic is not None:
-            leader = joint.mimic.leader
-            raise joint.mimic.where.error(
-                f"{owner}, mimic",
-                f'follows joint "{leader}"; two joints on one drive are not modelled yet; freeze '
-                f"both with --lock {leader}=VALUE (lock: {{{leader}: VALUE}}), or leave them out "
-                "with --tip LINK",
-            )
 
     def _left_out(self, joint: Joint) -> None:
         """Notes what the choice of the tip leaves out, with its mass."""
@@ -262,6 +261,53 @@ class _Walk:
             )
 
 
+def _free_first(
+    description: Description, motions: list[Motion], frames: dict[str, tuple[int, Array]]
+) -> tuple[list[Motion], dict[str, tuple[int, Array]]]:
+    """Motions and frames with the free joints first and those that follow others behind them.
+
+    Raises:
+        DescriptionError: A leader does not move here, or a free joint hangs on a follower.
+    """
+    free = [i for i, motion in enumerate(motions) if motion.joint.mimic is None]
+    order = [*free, *(i for i, motion in enumerate(motions) if motion.joint.mimic is not None)]
+    index = {old: new for new, old in enumerate(order)} | {-1: -1}
+    at = {motions[i].joint.name: index[i] for i in free}
+    ordered = []
+    for old in order:
+        motion = motions[old]
+        joint, parent = motion.joint, index[motion.parent]
+        follows = None if joint.mimic is None else _leader(description, joint, at)
+        if follows is None and parent >= len(free):
+            name = motions[motion.parent].joint.name
+            raise joint.where.error(
+                f"joint {joint.name}",
+                f'moves freely behind joint "{name}", which follows another; that is not modelled; '
+                f"freeze one of them with --lock {joint.name}=VALUE or --lock {name}=VALUE",
+            )
+        ordered.append(Motion(joint, parent, motion.before, motion.after, follows))
+    return ordered, {name: (index[i], frame) for name, (i, frame) in frames.items()}
+
+
+def _leader(
+    description: Description, joint: Joint, at: Mapping[str, int]
+) -> tuple[int, float, float]:
+    """Index of the free joint at the end of a chain of mimics, multiplier and offset to it."""
+    multiplier, offset, last = 1.0, 0.0, joint
+    while last.mimic is not None:
+        offset += multiplier * last.mimic.offset
+        multiplier *= last.mimic.multiplier
+        last = description.joints[last.mimic.leader]
+    if last.name not in at:
+        assert joint.mimic is not None
+        raise joint.mimic.where.error(
+            f"joint {joint.name}, mimic",
+            f'follows joint "{last.name}", which does not move here (fixed, or not chosen); a '
+            f"joint follows one that moves; freeze it with --lock {joint.name}=VALUE",
+        )
+    return at[last.name], multiplier, offset
+
+
 def _fold_tip(motions: list[Motion], frames: dict[str, tuple[int, Array]], tip: str) -> None:
     """Makes the tip the frame of the last link: its ``after`` then runs to the tip."""
     index, frame = frames[tip]
@@ -269,7 +315,7 @@ def _fold_tip(motions: list[Motion], frames: dict[str, tuple[int, Array]], tip: 
         return
     back = inverse(frame)
     motion = motions[index]
-    motions[index] = Motion(motion.joint, motion.parent, motion.before, motion.after @ frame)
+    motions[index] = replace(motion, after=motion.after @ frame)
     for name, (owner, placed) in frames.items():
         if owner == index:
             frames[name] = (index, np.eye(4) if name == tip else back @ placed)
