@@ -41,9 +41,10 @@ def _headline(settings: Mapping[str, Any]) -> str:
         else f"{settings['parameters']} parameters"
         + (f", seed {settings['seed']}" if settings["parameters"] in ("corner", "random") else "")
     )
+    engine = "" if settings["plant"] == "builtin" else f", plant {settings['plant']}"
     return (
         f"{settings['robot']}, {truth}: {settings['duration']:g} s, law {settings['law']}, "
-        f"bound {settings['bound']}"
+        f"bound {settings['bound']}{engine}"
     )
 
 

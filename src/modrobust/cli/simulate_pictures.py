@@ -1,0 +1,53 @@
+"""A simulated run as a video, or in a viewer."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+if TYPE_CHECKING:
+    from modrobust.result import SimulationResult
+
+Plant = Annotated[
+    Literal["builtin", "mujoco", "pinocchio"],
+    typer.Option(help="What moves as the true robot; other engines are slower."),
+]
+Video = Annotated[
+    Path | None, typer.Option(metavar="OUT", help="Render the run as .mp4 or .gif, in real time.")
+]
+View = Annotated[
+    bool, typer.Option("--view", help="Play the run in MuJoCo's viewer; needs a screen.")
+]
+
+
+def check_pictures(video: Path | None, view: bool) -> None:
+    """Refuse before the run what could not be shown after it."""
+    if video is not None:
+        from modrobust.video import check_video
+
+        check_video(video)
+    if view:
+        from modrobust.viewer import check_viewer
+
+        check_viewer()
+
+
+def show_pictures(result: SimulationResult, video: Path | None, view: bool) -> None:
+    """Render the run, then play it; Ctrl-C ends either."""
+    from modrobust.cli.output import ProgressBar, note
+
+    try:
+        if video is not None:
+            from modrobust.video import save_video
+
+            with ProgressBar(f"Rendering {video.name}") as bar:
+                save_video(result, video, progress=bar)
+        if view:
+            from modrobust.viewer import view as play
+
+            play(result)
+    except KeyboardInterrupt:
+        note("interrupted; the figures above stand, no video was written")
+        raise typer.Exit(130) from None
