@@ -207,6 +207,13 @@ def test_a_leader_keeps_its_followers_within_their_limits(tmp_path: Path) -> Non
     assert any("so that joint c1, which follows it, keeps its own" in note for note in arm.notes)
 
 
+def test_limits_that_a_follower_can_never_keep_are_left_out_and_said(tmp_path: Path) -> None:
+    arm = mr.load_robot(written(tmp_path, mimicking().replace('offset="0.1"', 'offset="9"')))
+    assert arm.position_limits[1].tolist() == [-2.0, 2.5]
+    told = "joint d1: its position limits left out; following b1 it is never inside them"
+    assert told in arm.notes
+
+
 def test_a_lock_of_the_leader_locks_who_follows(tmp_path: Path) -> None:
     path = written(tmp_path, mimicking())
     arm = mr.load_robot(path, lock={"b1": 0.4})

@@ -92,9 +92,9 @@ LINKS = {
     ),
     "nothing that moves has mass": (
         "",
-        ":3: joint turn: no link behind it has mass (arm); what moves has mass and inertia; "
-        "complete the <inertial>, give it in an assembly file (links: {arm: {mass: ..., com: ..., "
-        "inertia: ...}}), or freeze the joint with --lock turn=VALUE",
+        ":1: robot small: no link that moves has mass: a file for pictures, not for dynamics; use "
+        "another description of this robot, or give mass, com and inertia in an assembly file "
+        "(links:)",
     ),
 }
 JOINTS = {
@@ -222,14 +222,11 @@ ROBOTS = {
         ':6: joint follow, mimic: follows joint "turn", which does not move here (fixed, or not '
         "chosen); a joint follows one that moves; freeze it with --lock follow=VALUE",
     ),
-    "limits of leader and follower apart": (
-        robot(
-            BASE, TURN, ARM, link("finger"),
-            joint("follow", "arm", "finger",
-                  inside=AXIS + LIMIT + '<mimic joint="turn" offset="9"/>'),
-        ),
-        ':6: joint follow, mimic: within its limits only where joint "turn" is outside its own; '
-        "correct the limits or multiplier and offset",
+    "nothing behind one joint has mass": (
+        robot(BASE, TURN, ARM, link("tip", ""), joint("last", "arm", "tip")),
+        ":6: joint last: no link behind it has mass (tip); what moves has mass and inertia; "
+        "complete the <inertial>, give it in an assembly file (links: {tip: {mass: ..., com: ..., "
+        "inertia: ...}}), or freeze the joint with --lock last=VALUE",
     ),
     "nothing moves": (
         robot(BASE, joint("weld", "base", "arm", "fixed", ""), ARM),

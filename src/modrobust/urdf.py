@@ -65,7 +65,7 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
     )
     joints = within_followers(joints, notes)
     bodies = _bodies(description, chosen, source, tolerances, notes)
-    _need_mass(chosen, joints, bodies)
+    _need_mass(description, chosen, joints, bodies)
     notes += _placeholders(description, chosen)
     if tolerances.unused:
         keys = ", ".join(tolerances.unused)
@@ -164,10 +164,19 @@ def _bodies(
 
 
 def _need_mass(
-    chosen: Selection, joints: tuple[PlacedJoint, ...], bodies: list[PlacedBody]
+    description: Description,
+    chosen: Selection,
+    joints: tuple[PlacedJoint, ...],
+    bodies: list[PlacedBody],
 ) -> None:
     """Refuses a joint without drive behind which nothing has mass: an arm without its figures."""
     loaded = {body.joint for body in bodies}
+    if not loaded - {-1} and all(joint.item.rotor_inertia is None for joint in joints):
+        raise description.where.error(
+            f"robot {description.name}",
+            "no link that moves has mass: a file for pictures, not for dynamics; use another "
+            "description of this robot, or give mass, com and inertia in an assembly file (links:)",
+        )
     for index in range(len(joints) - 1, -1, -1):
         joint = joints[index]
         if index in loaded:

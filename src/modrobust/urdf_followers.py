@@ -16,9 +16,6 @@ def within_followers(joints: Sequence[PlacedJoint], notes: list[str]) -> tuple[P
     Args:
         joints: Free joints first.
         notes: Takes a remark for each limit that became narrower.
-
-    Raises:
-        DescriptionError: No position of the leader keeps the follower within its limits.
     """
     result = list(joints)
     for follower in joints:
@@ -31,13 +28,12 @@ def within_followers(joints: Sequence[PlacedJoint], notes: list[str]) -> tuple[P
             ends = sorted((end - offset) / multiplier for end in follower.item.position)
             lo, hi = position or (ends[0], ends[1])
             narrow = (max(lo, ends[0]), min(hi, ends[1]))
-            if narrow[0] >= narrow[1]:
-                raise follower.item.where.error(
-                    f"joint {follower.name}, mimic",
-                    f'within its limits only where joint "{leader.name}" is outside its own; '
-                    "correct the limits or multiplier and offset",
+            if narrow[0] >= narrow[1]:  # seen in real files, where limits were copied with the sign
+                notes.append(
+                    f"joint {follower.name}: its position limits left out; following "
+                    f"{leader.name} it is never inside them"
                 )
-            if position is None or max(narrow[0] - lo, hi - narrow[1]) > _ROUNDING:
+            elif position is None or max(narrow[0] - lo, hi - narrow[1]) > _ROUNDING:
                 position = narrow
                 notes.append(
                     f"joint {leader.name}: position limits [{narrow[0]:g}, {narrow[1]:g}], so that "
