@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -300,14 +301,29 @@ def from_quaternion(w: float, v: Any) -> Any:
     return np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross
 
 
-def test_an_importer_of_ours_reads_the_urdf_back(tmp_path: Any) -> None:
-    robot = mr.load_robot("lwa4p")
-    file = tmp_path / "lwa4p.urdf"
-    file.write_text(urdf_text(robot).text)
-    back = mr.load_robot(str(file))
-    q, dq, _, ddq = random_state(np.random.default_rng(5), robot.n)
-    assert back.joint_names == robot.joint_names
-    ours = mr.inverse_dynamics(robot, q, dq, dq, ddq, drives=False)
-    assert_close(ours, mr.inverse_dynamics(back, q, dq, dq, ddq, drives=False))
-    np.testing.assert_array_equal(back.nominal.viscous, robot.nominal.viscous)
-    np.testing.assert_array_equal(back.gear_ratio, robot.gear_ratio)
+def test_our_own_importer_reads_the_urdf_back(robot: Robot, tmp_path: Path) -> None:
+    point = robot.sample_parameters(9)
+    file = tmp_path / "exported.urdf"
+    file.write_text(urdf_text(robot, point).text)
+    back = replace(mr.load_robot(file), gravity=robot.gravity)
+    order = [back.joint_names.index(name) for name in robot.joint_names]
+    assert sorted(order) == list(range(robot.n))
+    rng = np.random.default_rng(5)
+    q, dq, _, ddq = random_state(rng, robot.n)
+
+    def there(x: Any) -> Any:
+        out = np.empty(robot.n)
+        out[order] = x
+        return out
+
+    ours = mr.inverse_dynamics(robot, q, dq, dq, ddq, point, drives=False)
+    read = mr.inverse_dynamics(back, *map(there, (q, dq, dq, ddq)), drives=False)
+    assert_close(ours, read[order])
+    M = mr.mass_matrix(back, there(q), drives=False)[np.ix_(order, order)]
+    assert_close(mr.mass_matrix(robot, q, point, drives=False), M)
+    every = [back.all_joint_names.index(name) for name in robot.all_joint_names]
+    np.testing.assert_array_equal(back.nominal.viscous[every], point.viscous)
+    np.testing.assert_array_equal(back.nominal.coulomb[every], point.coulomb)
+    np.testing.assert_array_equal(back.gear_ratio[every], robot.gear_ratio)
+    for name, mass in zip(robot.body_names, point.mass, strict=True):
+        assert back.nominal.mass[back.body_names.index(name)] == mass

@@ -222,8 +222,7 @@ class _Led:
     def acceleration(self, M: Array, bias: Array, drive: Array) -> Array:
         """Of the free joints ``(n,)``: M (j, j), bias (j,), drive (n,)."""
         G = self.G
-        a: Array = np.linalg.solve(G.T @ M @ G, drive - G.T @ bias)
-        return a
+        return np.asarray(np.linalg.solve(G.T @ M @ G, drive - G.T @ bias), dtype=np.float64)
 
 
 def runge_kutta(

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from subprocess import PIPE, Popen
+from tempfile import TemporaryFile
 from typing import Any
 
 import numpy as np
@@ -141,12 +143,21 @@ def _write_gif(part: Path, pictures: Iterator[Picture], rate: float) -> None:
 
 def _write_mp4(part: Path, pictures: Iterator[Picture], rate: float, size: tuple[int, int]) -> None:
     ffmpeg: Any = engine("imageio_ffmpeg", "video", "video")
-    writer = ffmpeg.write_frames(
-        str(part), size, fps=rate, codec="libx264", quality=7, macro_block_size=2
-    )
-    writer.send(None)
-    try:
-        for picture in pictures:
-            writer.send(np.ascontiguousarray(picture))
-    finally:
-        writer.close()
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size[0]}x{size[1]}", "-r", f"{rate:g}"]
+    coded = ["-an", "-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", str(part)]
+    command = [ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", *raw, "-i", "-", *coded]
+    with TemporaryFile() as errors, Popen(command, stdin=PIPE, stderr=errors) as process:
+        assert process.stdin is not None
+        try:
+            for picture in pictures:
+                process.stdin.write(picture.tobytes())
+            process.stdin.close()
+        except BrokenPipeError:
+            pass  # its reason is in errors
+        except BaseException:
+            process.kill()
+            raise
+        if process.wait() != 0:
+            errors.seek(0)
+            reason = " ".join(errors.read().decode(errors="replace").split())[:200]
+            raise OSError(None, f"ffmpeg: {reason}")  # `replacing` says where
