@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-COMMANDS = ["assemble", "simulate", "bench", "modules", "schema"]
+COMMANDS = ["assemble", "simulate", "bench", "modules", "schema", "import-timor"]
 
 
 def test_help_names_every_command_and_gives_examples(run) -> None:

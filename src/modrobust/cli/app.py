@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from modrobust.cli import assemble, bench, modules, schema, simulate
+from modrobust.cli import assemble, bench, import_timor, modules, schema, simulate
 
 app = typer.Typer(
     name="modrobust",
@@ -25,7 +25,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (assemble, simulate, bench, modules, schema):
+for command in (assemble, simulate, bench, modules, schema, import_timor):
     app.command(epilog=command.EXAMPLES)(command.command)
 
 

@@ -1,0 +1,53 @@
+"""``modrobust import-timor``: a module database of Timor as module files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+EXAMPLES = """\b
+Examples:
+  modrobust import-timor modules.json -o my-modules
+  modrobust import-timor modules.json -o my-modules --inertia-about frame
+
+\b
+Modules that cannot be imported are named on stderr with the reason; the exit code is 1 when none
+can be. The files are ready to be completed: give bounds, since the database has none.
+"""
+
+
+def import_timor(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Timor's modules.json.")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for the module files.")
+    ],
+    inertia_about: Annotated[
+        Literal["com", "frame"] | None,
+        typer.Option(
+            help="Reference point of every tensor. Default: what a rigid body can have, body by "
+            "body, and it is said which."
+        ),
+    ] = None,
+) -> None:
+    """Write the modules of a Timor database as module files, one a module."""
+    from modrobust.cli.output import note, show
+    from modrobust.timor import import_timor as read
+    from modrobust.timor import write_modules
+
+    result = read(file, inertia_about)
+    paths = write_modules(result, output)
+    for path, module in zip(paths, result.modules, strict=True):
+        show(str(path))
+        for remark in module.notes:
+            note(f"{module.id}: {remark}")
+    for remark in result.notes:
+        note(remark)
+    for name, reason in result.left_out:
+        note(f"{name} left out: {reason}")
+    if not paths:
+        raise typer.Exit(1)
+
+
+command = import_timor
