@@ -56,7 +56,20 @@ def solve(matrix: Any, right: Any) -> Any:
 def alone(robot: Robot, body: int) -> Robot:
     """The robot with that one body only."""
     keep = slice(body, body + 1)
-    return replace(robot, body_joints=robot.body_joints[keep], placement=robot.placement[keep])
+    points = {
+        name: replace(
+            point, mass=point.mass[keep], com=point.com[keep], inertia=point.inertia[keep]
+        )
+        for name in ("nominal", "lower", "upper")
+        if (point := getattr(robot, name))
+    }
+    return replace(
+        robot,
+        body_names=robot.body_names[keep],
+        body_joints=robot.body_joints[keep],
+        placement=robot.placement[keep],
+        **points,
+    )
 
 
 def exact_bounds(

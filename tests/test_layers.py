@@ -29,6 +29,7 @@ LAYERS = {
     "physical": 2,
     "robot": 2,
     "robot_checks": 2,
+    "robot_parts": 2,
     "sampling": 2,
     "assembly": 3,
     "catalogue": 3,

@@ -185,7 +185,7 @@ def test_corners_have_every_entry_at_an_end_and_reach_both_ends():
 
 def test_unphysical_corners_are_pulled_towards_nominal_and_named():
     robot = synthetic_chain(2, uncertainty=0.1)
-    lower = replace(robot.lower, inertia=np.array([np.diag([1e-3, 1e-3, 4e-3])] * 2))
+    lower = replace(robot.lower, inertia=np.array([np.diag([1e-3, 1e-3, 3e-3])] * 2))
     upper = replace(robot.upper, inertia=robot.nominal.inertia + 1e-2 * np.eye(3))
     robot = replace(robot, lower=lower, upper=upper)
     point, pulled = robot.physical_corner("lower")

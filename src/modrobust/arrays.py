@@ -24,6 +24,8 @@ def as_array(name: str, value: ArrayLike, shape: tuple[int, ...], owner: str) ->
         ValueRangeError: An entry is not a number, or not finite.
     """
     try:
+        if np.iscomplexobj(value):
+            raise ValueRangeError(f"{name}: has complex entries; expected {_words(shape)} numbers")
         array = np.ascontiguousarray(value, dtype=np.float64)
     except (TypeError, ValueError) as problem:
         raise ValueRangeError(f"{name}: {problem}; expected {_words(shape)} numbers") from None

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
 from modrobust.arrays import as_array
-from modrobust.errors import ShapeError
+from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import method_code, status_error
 from modrobust.robot import Parameters, Robot
 
@@ -233,6 +233,11 @@ def _vectors(robot: Robot, **named: ArrayLike) -> list[Array]:
 def _packed(robot: Robot, parameters: Parameters | None) -> Array:
     if parameters is None:
         return robot.nominal.packed
+    if not isinstance(parameters, Parameters):
+        raise ValueRangeError(
+            f"parameters: expected Parameters or None, got {type(parameters).__name__}; such as "
+            "robot.sample_parameters(0)"
+        )
     shapes = (parameters.mass.shape, parameters.viscous.shape)
     if shapes != ((robot.b,), (robot.j,)):
         raise ShapeError(

@@ -19,6 +19,8 @@ from modrobust import _kernel
 from modrobust.dh import DHTable, dh_table
 from modrobust.errors import ValueRangeError
 from modrobust.parameters import Bounded, Parameters, freeze
+from modrobust.robot_checks import check_box, check_lengths, check_rigid, check_tree
+from modrobust.robot_parts import ControllerSettings, Followers, ModuleNode, TrajectorySettings
 from modrobust.sampling import corner_point, physical_pull, sample_point
 
 __all__ = [
@@ -34,73 +36,9 @@ __all__ = [
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class ControllerSettings:
-    """Gains of the robust control law; see docs/equations.md, (3) to (8).
-
-    K_r (n,) [1/s] positive; the others non-negative; epsilon [rad] or [m] positive.
-    """
-
-    K_r: tuple[float, ...]
-    law: str = "norm"
-    bound: str = "hull"
-    kappa_P: float = 2.0
-    kappa_I: float = 100.0
-    phi_P: float = 1.0
-    phi_I: float = 200.0
-    epsilon: float = 0.01
-
-
-@dataclass(frozen=True)
-class TrajectorySettings:
-    """The description's own trajectory: `kind` and its numbers, resolved per joint.
-
-    kind "sines": q_des = amplitude * prod_k sin(omega_k t); amplitude (n,), omega (k,) [rad/s].
-    kind "quintic": rest-to-rest through points (k, n) at times (k,) [s].
-    kind "csv": file, splined.
-    """
-
-    kind: str
-    duration: float | None = None
-    amplitude: tuple[float, ...] = ()
-    omega: tuple[float, ...] = ()
-    times: tuple[float, ...] = ()
-    points: tuple[tuple[float, ...], ...] = ()
-    file: str | None = None
-
-
-@dataclass(frozen=True)
-class ModuleNode:
-    """One mounted module, for showing how the robot was put together."""
-
-    instance: str
-    module: str
-    name: str
-    joints: tuple[str, ...]
-    bodies: tuple[str, ...]
-    children: tuple[ModuleNode, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class Followers:
-    """Joints that follow a free one, docs/equations.md (15): q = multiplier * q_leader + offset.
-
-    They stand after the n free joints in every array of joint data; a vector of positions,
-    velocities or torques does not hold them.
-    """
-
-    names: tuple[str, ...] = ()
-    leaders: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
-    multiplier: Array = field(default_factory=lambda: np.zeros(0))
-    offset: Array = field(default_factory=lambda: np.zeros(0))  # [rad] or [m]
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot with n free joints, j joints in all and b bodies, resolved and checked; immutable."""
+    """A robot with n free joints, j joints in all and b bodies, checked when made; immutable."""
 
     name: str
     gravity: Array  # (3,) [m/s^2], world axes
@@ -139,6 +77,42 @@ class Robot:
     def __post_init__(self) -> None:
         freeze(self)
         object.__setattr__(self, "scenarios", MappingProxyType(dict(self.scenarios)))
+        self._check()
+
+    def _check(self) -> None:
+        n, j, b = self.n, self.j, self.b
+        f, d = self.followers, self.disturbance
+        owner = f'robot "{self.name}" has {n} free joints, {j} joints and {b} bodies'
+        check_lengths(
+            {
+                "gravity": (self.gravity, (3,)),
+                "base": (self.base, (4, 4)),
+                "parents": (self.parents, (j,)),
+                "before": (self.before, (j, 4, 4)),
+                "after": (self.after, (j, 4, 4)),
+                "position_limits": (self.position_limits, (n, 2)),
+                "velocity_limits": (self.velocity_limits, (n,)),
+                "effort_limits": (self.effort_limits, (n,)),
+                "gear_ratio": (self.gear_ratio, (j,)),
+                "coulomb_speed": (self.coulomb_speed, (j,)),
+                "body_joints": (self.body_joints, (b,)),
+                "placement": (self.placement, (b, 4, 4)),
+                "followers.leaders": (f.leaders, (j - n,)),
+                "followers.multiplier": (f.multiplier, (j - n,)),
+                "followers.offset": (f.offset, (j - n,)),
+                "nominal.mass": (self.nominal.mass, (b,)),
+                "nominal.viscous": (self.nominal.viscous, (j,)),
+                "disturbance": (d.nominal, (n,)),
+            },
+            owner,
+        )
+        check_tree(self.joint_types, self.parents, self.body_joints, f.leaders, n)
+        for name in ("base", "before", "after", "placement"):
+            check_rigid(name, getattr(self, name))
+        for name in ("mass", "com", "inertia", "rotor_inertia", "viscous", "coulomb"):
+            ends = (getattr(point, name) for point in (self.lower, self.nominal, self.upper))
+            check_box(name, *ends, signed=name in ("com", "inertia"))
+        check_box("disturbance", d.lo, d.nominal, d.hi, signed=True)
 
     @property
     def n(self) -> int:

@@ -100,7 +100,7 @@ static double quadratic_max(const mr_quadratic *function) {
                 }
                 if (count && !stationary(&f, inside, count, x)) continue;
                 const double value = quadratic_value(&f, x);
-                if (value > best) best = value;
+                if (!(value <= best)) best = value; /* not a number must not be lost */
             }
     return best;
 }

@@ -1,0 +1,70 @@
+"""Checks of a robot's arrays: shapes, tree, rigid transforms, order of bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.errors import ShapeError, ValueRangeError
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+_RIGID = 1e-9  # how far a rotation matrix may be from orthonormal; URDF angles have few digits
+
+
+def check_lengths(arrays: Mapping[str, tuple[Array | Ints, tuple[int, ...]]], owner: str) -> None:
+    """Refuses an array whose shape is not the one beside it; infinite limits are allowed."""
+    for name, (array, shape) in arrays.items():
+        if array.shape != shape:
+            raise ShapeError(f"{name}: expected shape {shape}, got {array.shape}; {owner}")
+        if np.isnan(array).any() or (np.isinf(array).any() and not name.endswith("_limits")):
+            raise ValueRangeError(f"{name}: every entry must be finite")
+
+
+def check_tree(
+    joint_types: Sequence[str], parents: Ints, body_joints: Ints, leaders: Ints, n: int
+) -> None:
+    """Refuses unknown joint types and indices that lead nowhere; parents come before children."""
+    j = len(joint_types)
+    for i, kind in enumerate(joint_types):
+        if kind not in ("revolute", "prismatic"):
+            raise ValueRangeError(f'joint_types[{i}] is "{kind}"; known: revolute, prismatic')
+    for name, index, first, last, rule in (
+        ("parents", parents, -1, np.arange(j) - 1, "a joint before its child, or -1, the base"),
+        ("body_joints", body_joints, -1, j - 1, "a joint, or -1, the base"),
+        ("followers.leaders", leaders, 0, n - 1, "a joint that moves freely"),
+    ):
+        for k in np.flatnonzero((index < first) | (index > last))[:1]:
+            raise ValueRangeError(f"{name}[{k}] is {index[k]}; it must be {rule}")
+
+
+def check_rigid(name: str, transforms: Array) -> None:
+    """Refuses a 4x4 that is not a rigid transform, to 1e-9."""
+    T = transforms.reshape(-1, 4, 4)
+    R = T[:, :3, :3]
+    error = np.abs(R @ np.swapaxes(R, 1, 2) - np.eye(3)).max(axis=(1, 2), initial=0.0)
+    rigid = (error <= _RIGID) & (np.linalg.det(R) > 0.0) & (T[:, 3] == [0, 0, 0, 1]).all(axis=1)
+    for k in np.flatnonzero(~rigid)[:1]:
+        raise ValueRangeError(
+            f"{name}[{k}] is not a rigid transform; its rotation must be orthonormal and "
+            "right-handed, its last row 0 0 0 1"
+        )
+
+
+def check_box(name: str, lo: Array, nominal: Array, hi: Array, *, signed: bool) -> None:
+    """Refuses bounds that do not hold the nominal value, or are negative unless `signed`."""
+    if not lo.shape == nominal.shape == hi.shape:
+        raise ShapeError(
+            f"{name}: bounds of shape {lo.shape} and {hi.shape}; nominal has {nominal.shape}"
+        )
+    for where in map(tuple, np.argwhere(~((lo <= nominal) & (nominal <= hi)))[:1]):
+        index = "".join(f"[{k}]" for k in where)
+        raise ValueRangeError(
+            f"{name}{index}: nominal {nominal[where]} is outside its bounds "
+            f"[{lo[where]}, {hi[where]}]; widen them or correct it"
+        )
+    if not signed and (lo < 0.0).any():
+        raise ValueRangeError(f"{name}: the lower bound {lo.min()} is negative")
