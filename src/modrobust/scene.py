@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 from types import TracebackType
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -26,6 +27,7 @@ Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 SIZE = (640, 480)  # [pixels], width and height; even, as H.264 demands
+_FONT = 100  # the scale of texts, of which there are none [%]
 _ROUND = {"numslices": "16", "numstacks": "8"}  # software OpenGL pays for every facet
 _WAS, _WANTED = (0.95, 0.45, 0.1, 0.9), (0.1, 0.4, 0.9, 0.25)
 
@@ -60,8 +62,7 @@ class Scene:
         self._dot = 0.006 * max(reach(robot), floor)
         self._scene = self._mujoco.MjvScene(self.model, 2000)
         self._option = self._mujoco.MjvOption()
-        scale = self._mujoco.mjtFontScale.mjFONTSCALE_100.value
-        self._renderer = self._mujoco.MjrContext(self.model, scale)
+        self._renderer = self._mujoco.MjrContext(self.model, _FONT)
         self._mujoco.mjr_setBuffer(self._mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._renderer)
 
     def __enter__(self) -> Scene:
@@ -216,11 +217,17 @@ def offscreen(size: tuple[int, int]) -> Any:
         kinds = ("cgl", "glfw")
     if chosen in (*kinds, "egl", "osmesa", "cgl", "glfw"):
         kinds = (chosen,)
+    mujoco = engine("mujoco", "video", "video")
     reasons = []
     for kind in kinds:
         try:
-            context: Any = engine(f"mujoco.{kind}", "video", "video").GLContext(*size)
-            context.make_current()
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of the window system; its failure is the reason
+                context: Any = engine(f"mujoco.{kind}", "video", "video").GLContext(*size)
+                context.make_current()
+                # Without a screen some contexts show only when used that they are none.
+                model = mujoco.MjModel.from_xml_string("<mujoco/>")
+                mujoco.MjrContext(model, _FONT).free()
         except Exception as problem:  # libraries fail here in any way they like
             reasons.append(f"{kind}: {_reason(problem)}")
         else:

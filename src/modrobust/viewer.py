@@ -53,7 +53,8 @@ def view(result: SimulationResult, *, rounds: int | None = None) -> None:
     model, _, camera = scene_model(mujoco, robot, q[:: max(1, len(q) // 100)], result.parameters)
     data, places = mujoco.MjData(model), joint_places(model, robot)
     try:
-        window = engine("mujoco.viewer", "mujoco", "view").launch_passive(model, data)
+        viewer = engine("mujoco.viewer", "mujoco", "view")
+        window = viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
     except (RuntimeError, mujoco.FatalError) as problem:
         raise MissingExtraError(
             f"view: the window cannot be opened ({problem}); "
