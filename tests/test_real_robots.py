@@ -7,6 +7,7 @@ is refused, or flagged, for the reason that its file gives.
 from __future__ import annotations
 
 import importlib.metadata
+import re
 from pathlib import Path
 
 import numpy as np
@@ -139,6 +140,16 @@ def test_a_refused_robot_loads_with_the_figure_it_lacks(tmp_path: Path) -> None:
     arm = mr.load_robot(tmp_path / "arm.yaml")
     assert arm.n == 7
     assert arm.dh is not None
+
+
+def test_the_example_of_the_documentation_loads(tmp_path: Path) -> None:
+    located("example-robot-data", "ur5_robot")
+    page = Path(__file__).parents[1] / "docs" / "urdf.md"
+    (example,) = re.findall(r"```yaml\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    (tmp_path / "my-ur5.yaml").write_text(example, encoding="utf-8")
+    arm = mr.load_robot(tmp_path / "my-ur5.yaml")
+    assert arm.n == 5
+    assert arm.gear_ratio[arm.joint_names.index("elbow_joint")] == 101.0
 
 
 def test_a_file_cut_anywhere_never_loads_as_a_smaller_robot(tmp_path: Path) -> None:

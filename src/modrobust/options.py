@@ -18,6 +18,13 @@ from modrobust.formats.module import ModuleFields
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.part_models import ToleranceModel
 
+_INSTEAD = {
+    "base": "leave it out",
+    "tip": "shorten the chain in the file",
+    "lock": "replace the module of the joint in the file",
+    "tolerance": "write the tolerance in the module files",
+}
+
 
 def urdf_assembly(path: Path) -> Assembly:
     """The description that a URDF alone is: no bounds, no payload, everything else default."""
@@ -64,8 +71,8 @@ def with_options(
     source = description.urdf
     if source is None:
         raise ValueRangeError(
-            f"--{used[0]}: {description.file} describes a robot of modules; this option is for "
-            "robots that a URDF describes; change the file"
+            f"--{used[0]}: a robot of modules; this option is for robots that a URDF describes; "
+            + _INSTEAD[used[0]]
         )
     if base is not None:
         source = replace(source, base_link=ScalarNode(base, Where("--base", None)))
