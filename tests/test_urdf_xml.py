@@ -85,6 +85,14 @@ def test_masses_of_attributes_tags_and_text_are_refused(tmp_path: Path) -> None:
     )
 
 
+def test_masses_of_namespaces_are_refused(tmp_path: Path) -> None:
+    many = " ".join(f'xmlns:n{k}="u{k}"' for k in range(1000))
+    path = written(tmp_path, robot().replace("<robot", f"<robot {many}"))
+    assert refusal(path) == (
+        f"{path}: more than 200 namespaces; a robot description has a few at the top"
+    )
+
+
 HUGE = """
 import resource, sys
 resource.setrlimit(resource.RLIMIT_AS, (1_000_000_000, 1_000_000_000))

@@ -70,8 +70,17 @@ def _same_joint(joint: Joint, other: Any) -> bool:
         and (None if other.mimic is None else other.mimic.joint)
         == (None if joint.mimic is None else joint.mimic.leader)
         and along
+        and all(
+            _same_limit(joint, other, name) for name in ("lower", "upper", "effort", "velocity")
+        )
         and _same_pose(joint.origin, other.origin)
     )
+
+
+def _same_limit(joint: Joint, other: Any, name: str) -> bool:
+    ours = getattr(joint, name)
+    theirs = None if other.limit is None else getattr(other.limit, name)
+    return theirs == (None if ours is None else ours.value)
 
 
 def _same_pose(ours: Any, other: Any) -> bool:

@@ -22,6 +22,7 @@ MAX_BYTES = 4 << 20
 MAX_TAGS = 100_000
 MAX_DEPTH = 32
 MAX_ATTRIBUTES = 32  # of one element
+MAX_NAMESPACES = 200  # declared anywhere
 MAX_VALUE = 4096  # characters of one attribute
 SUFFIXES = (".urdf", ".xml", ".xacro")
 
@@ -160,6 +161,10 @@ def _checked_text(data: bytes, name: str) -> str:
         raise FileError(
             name, f"more than {MAX_TAGS} tags; a robot has fewer; leave out what is not the robot"
         )
+    if text.count("xmlns") > MAX_NAMESPACES:
+        raise FileError(
+            name, f"more than {MAX_NAMESPACES} namespaces; a robot description has a few at the top"
+        )
     return text
 
 
@@ -206,14 +211,14 @@ def _tree(root: Any, name: str) -> Element:
 
 def _element(source: Any, name: str) -> Element:
     where = Where(name, source.sourceline)
-    tag = _plain(source.tag, source.nsmap)
+    tag = _plain(source.tag, source)
     if len(source.attrib) > MAX_ATTRIBUTES:
         raise where.error(
             f"<{tag[:60]}>",
             f"{len(source.attrib)} attributes; an element has at most {MAX_ATTRIBUTES}; "
             "remove what URDF does not know",
         )
-    attributes = {_plain(key, source.nsmap): str(value) for key, value in source.attrib.items()}
+    attributes = {_plain(key, source): str(value) for key, value in source.attrib.items()}
     for key, value in attributes.items():
         if len(value) > MAX_VALUE:
             raise where.error(
@@ -224,10 +229,11 @@ def _element(source: Any, name: str) -> Element:
     return Element(tag, attributes, where, text=(source.text or "").strip()[:MAX_VALUE])
 
 
-def _plain(name: str, prefixes: Mapping[str | None, str]) -> str:
+def _plain(name: str, source: Any) -> str:
     """``{uri}name`` as ``prefix:name``."""
     if not name.startswith("{"):
         return name
     uri, _, local = name[1:].partition("}")
+    prefixes: Mapping[str | None, str] = source.nsmap
     prefix = next((key for key, value in prefixes.items() if value == uri and key), None)
     return f"{prefix}:{local}" if prefix else local
