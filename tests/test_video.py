@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -55,6 +55,9 @@ def test_the_robot_moves_in_the_picture_and_stays_inside(robot: Robot) -> None:
         straight, bent = scene.picture(q[0]), scene.picture(q[1])
         again = scene.picture(q[0])
     assert straight.shape == (120, 160, 3)
+    top, bottom = straight[0].astype(int), straight[-1].astype(int)
+    assert (top[:, 2] - top[:, 0]).mean() > 10  # the sky is blue
+    assert (bottom[:, 2] - bottom[:, 0]).mean() < 10  # the floor is not
     assert not changed(straight, again).any()
     difference = changed(straight, bent)
     assert 0.01 < difference.mean() < 0.3
@@ -124,6 +127,41 @@ def test_pictures_are_the_logged_ticks_nearest_to_their_instants() -> None:
     assert frame_indices(t, 4.0) == [0, 250, 500, 750, 1000]
     assert frame_indices(np.array([0.0]), 30.0) == [0]
     assert frame_indices(np.array([0.0, 0.4, 1.1]), 1.0) == [0, 2]
+    assert frame_indices(np.array([0.0, 0.9, 1.9]), 1.0) == [0, 1, 2]
+
+
+class Recorder:
+    """A scene that keeps what it was to draw."""
+
+    calls: ClassVar[list[tuple[Any, Any, Any]]] = []
+
+    def __init__(self, *_: Any) -> None:
+        self.calls.clear()
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def picture(self, q: Any, was: Any, wanted: Any) -> Any:
+        self.calls.append((q, was, wanted))
+        return np.zeros((120, 160, 3), np.uint8)
+
+
+def test_trails_stand_still_end_at_the_present_and_are_short(
+    robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("PIL.Image")
+    monkeypatch.setattr("modrobust.video.Scene", Recorder)
+    result = simulate(robot, duration=3.0, control_rate=2e3)
+    save_video(result, tmp_path / "run.gif", size=SMALL)
+    rows = {q.tobytes(): k for k, q in enumerate(result.q)}
+    assert len(Recorder.calls) == 61
+    for q, was, wanted in Recorder.calls[::10]:
+        now, trail = rows[q.tobytes()], [rows[state.tobytes()] for state in was]
+        assert trail == list(range(0, now + 1, 50))[:-31:-1]  # a dot each 50 ms
+        np.testing.assert_array_equal(wanted, result.q_des[trail])
 
 
 def test_a_wrong_suffix_or_place_is_refused_before_the_run(tmp_path: Path) -> None:
