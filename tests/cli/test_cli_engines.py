@@ -33,7 +33,7 @@ def test_assemble_writes_urdf_and_mjcf_and_says_what_they_do_not_hold(run, tmp_p
 
 def test_the_same_seed_exports_the_same_robot(run, tmp_path: Path) -> None:
     for name, seed in (("a", "1"), ("b", "1"), ("c", "2")):
-        options = ("--parameters", "random", "--seed", seed, "--urdf", f"{name}.urdf")
+        options = ("--parameters", "random", "--seed", seed, "--urdf", f"{name}.urdf", "--json")
         assert run("assemble", "lwa4p", *options).returncode == 0
     a, b, c = ((tmp_path / f"{name}.urdf").read_text() for name in "abc")
     assert a == b
