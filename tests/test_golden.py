@@ -43,7 +43,8 @@ def rows_robot() -> Robot:
         com=GOLDEN["com"],
         inertia=GOLDEN["inertia"],
     )
-    return replace(robot, gear_ratio=drive[:, 0], nominal=with_drives(robot.nominal, drive))
+    point = with_drives(robot.nominal, drive)
+    return replace(robot, gear_ratio=drive[:, 0], nominal=point, lower=point, upper=point)
 
 
 def with_drives(parameters: Parameters, drive: Any) -> Parameters:
