@@ -277,7 +277,8 @@ class Controller {
         const size_t count = t.size(), n = model.n();
         for (const Mat *m : {&q, &dq, &q_des, &dq_des, &ddq_des})
             require(m->shape(0) == count && m->shape(1) == n, "signals: expected shape (k, n)");
-        Doubles seconds(count), rows(6 * n);
+        // Memory of its own: another thread may command while this one runs without the GIL.
+        Doubles seconds(count), rows(6 * n), memory(mr_workspace_size(&model.c));
         mr_command_out out = outputs(rows.data());
         mr_controller_state fresh{};
         mr_status status = MR_OK;
@@ -287,7 +288,7 @@ class Controller {
                 const auto start = std::chrono::steady_clock::now();
                 status = mr_command(&model.c, &bounds.c, &gains, t.data()[k], q.data() + k * n,
                                     dq.data() + k * n, q_des.data() + k * n, dq_des.data() + k * n,
-                                    ddq_des.data() + k * n, workspace.data(), &fresh, &out);
+                                    ddq_des.data() + k * n, memory.data(), &fresh, &out);
                 const std::chrono::duration<double> elapsed =
                     std::chrono::steady_clock::now() - start;
                 seconds[k] = elapsed.count();

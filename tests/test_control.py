@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 from dataclasses import replace
 from typing import Any
 
@@ -221,3 +222,24 @@ def test_times_of_commands_are_positive_and_leave_the_controller_alone(robot: Ro
     assert (seconds < 1.0).all()
     with pytest.raises(TimeOrderError):
         controller.command(0.0, *inputs(1))
+
+
+def test_timing_in_one_thread_leaves_commands_in_another_alone() -> None:
+    robot = mr.load_robot("lwa4p-paper")
+    controller = mr.RobustController(robot)
+    rng = np.random.default_rng(0)
+    q, dq, q_des, dq_des, ddq_des = rng.normal(size=(5, 6))
+    k = 100_000
+    signals = [np.tile(x, (k, 1)) for x in rng.normal(size=(5, 6))]
+    alone = controller.command(0.0, q, dq, q_des, dq_des, ddq_des).tau
+    worker = threading.Thread(
+        target=lambda: controller.time_commands(np.linspace(0.0, 1.0, k), *signals)
+    )
+    worker.start()
+    beside = 0
+    while worker.is_alive():
+        tau = controller.command(0.0, q, dq, q_des, dq_des, ddq_des).tau
+        np.testing.assert_array_equal(tau, alone)
+        beside += 1
+    worker.join()
+    assert beside > 10

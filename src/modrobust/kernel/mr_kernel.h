@@ -2,7 +2,8 @@
  *
  * Equations by number: docs/equations.md. SI units. Every function is free of heap, input and
  * output, globals and recursion; the caller owns all memory. Inputs are const, outputs come last;
- * on a status other than MR_OK the outputs and the controller's state are untouched. */
+ * on a status other than MR_OK the outputs and the controller's state are untouched, but for
+ * mr_loop_advance, which keeps the ticks before. */
 #ifndef MR_KERNEL_H
 #define MR_KERNEL_H
 
