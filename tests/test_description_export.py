@@ -93,6 +93,10 @@ def test_mujoco_reads_coulomb_friction_gravity_and_the_integrator(robot: Robot) 
     assert twin.model.opt.integrator == twin.mujoco.mjtIntegrator.mjINT_RK4.value
     assert not twin.model.jnt_limited.any()
     assert not twin.model.actuator_ctrllimited.any()
+    tau = np.random.default_rng(6).normal(size=robot.n)
+    twin.data.ctrl[:] = tau
+    twin.mujoco.mj_forward(twin.model, twin.data)
+    np.testing.assert_array_equal(twin.data.qfrc_actuator[twin.dofs[: robot.n]], tau)
 
 
 def test_the_frames_of_the_exported_urdf_are_ours(robot: Robot) -> None:

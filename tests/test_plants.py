@@ -175,6 +175,23 @@ def test_a_run_that_diverges_says_so_and_leaves_no_file(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("plant", ENGINES)
+@pytest.mark.filterwarnings("ignore:(overflow|invalid value):RuntimeWarning")
+def test_a_state_out_of_range_shows_and_leaves_no_file(
+    plant: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """MuJoCo would start anew from zero, and write MUJOCO_LOG.TXT."""
+    monkeypatch.chdir(tmp_path)
+    robot = mr.load_robot("lwa4p-paper")
+    zero = np.zeros(robot.n)
+    motion = make_plant(plant, robot, robot.nominal, zero, zero + 1.0, zero, 1e-3, 1)
+    for _ in range(4):
+        motion.advance(zero + 1e5)
+    motion.advance(zero + 1e200)
+    assert not (np.abs(motion.q) < 1e10).all()
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_mujoco_s_hook_is_given_back() -> None:
     mujoco = pytest.importorskip("mujoco")
     robot = mr.load_robot("lwa4p")

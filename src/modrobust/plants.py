@@ -84,7 +84,6 @@ class MujocoPlant:
         self._smooth = bool(self._coulomb.any())
         self._led = _Led(robot) if robot.j > robot.n else None
         self._disturbance, self._h, self._substeps = disturbance, dt / substeps, substeps
-        self._data.qfrc_applied[self._dofs[: robot.n]] = disturbance
         self._data.qpos[self._places] = robot.all_positions(np.asarray(q0))
         self._data.qvel[self._dofs[: robot.n]] = dq0
         self.q, self.dq = np.array(q0), np.array(dq0)
@@ -106,13 +105,14 @@ class MujocoPlant:
 
     def _step(self, tau: Array) -> None:
         n = len(self.q)
+        drive = tau + self._disturbance
         if self._led is None:
-            self._data.ctrl[:] = tau
+            # Not through the motors: MuJoCo sets controls beyond 1e10 to zero without a word.
+            self._data.qfrc_applied[self._dofs] = drive
             self._mujoco.mj_step(self._model, self._data, self._substeps)
             self.q = self._data.qpos[self._places[:n]]
             self.dq = self._data.qvel[self._dofs[:n]]
             return
-        drive = tau + self._disturbance
         for _ in range(self._substeps):
             self.q, self.dq = runge_kutta(self._acceleration, self.q, self.dq, drive, self._h)
 
