@@ -51,6 +51,7 @@ LAYERS = {
     "urdf_items": 3,
     "urdf_reader": 3,
     "urdf_tree": 3,
+    "urdf_values": 3,
     "urdf_xml": 3,
     "describe": 3,
     "dynamics": 3,

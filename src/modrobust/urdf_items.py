@@ -17,7 +17,8 @@ from modrobust.formats.joints import read_joint
 from modrobust.formats.models import JointModel
 from modrobust.formats.part_models import InertiaModel, JointOverlay, LinkOverlay
 from modrobust.formats.tolerance import Tolerances
-from modrobust.urdf_reader import Inertial, Joint, Link, Number
+from modrobust.urdf_reader import Inertial, Joint, Link
+from modrobust.urdf_values import Number
 
 P = TypeVar("P", bound=Part)
 

@@ -7,8 +7,6 @@ smaller robot and a wrong parent as none; everything here is either right or ref
 
 from __future__ import annotations
 
-import difflib
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
@@ -20,16 +18,25 @@ from modrobust.errors import DescriptionError
 from modrobust.formats import ScalarNode, Where
 from modrobust.formats.nodes import shown
 from modrobust.formats.structure import did_you_mean
-from modrobust.geometry import from_xyz_rpy
+from modrobust.urdf_values import (
+    MAX_NAME,
+    Number,
+    optional,
+    read_name,
+    read_number,
+    read_pose,
+    refuse_slips,
+    required,
+    slip,
+    three,
+)
 from modrobust.urdf_xml import Element
 
 Array = NDArray[np.float64]
 T = TypeVar("T", "Link", "Joint")
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?")
 _ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-_MAX_NAME = 100
 
 # What an element may hold; what is missing here says nothing about the motion.
 _LINK = ("inertial", "visual", "collision", "contact", "self_filter", "collision_checking",
@@ -40,14 +47,6 @@ _JOINT = ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic", "ca
 _ROBOT = ("link", "joint", "transmission", "material", "gazebo", "sensor", "ros2_control",
           "mujoco", "drake", "plugin", "group", "group_state", "disable_collisions", "author",
           "deformable", "loop_joint", "model", "robotInterface", "root", "static")  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Number:
-    """A number of the file: its node and its nearest double."""
-
-    node: ScalarNode
-    value: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +135,7 @@ def read_description(root: Element) -> Description:
     notes: list[str] = []
     for child in root.children:
         if child.tag not in _ROBOT and ":" not in child.tag:
-            hint = _slip(child.tag, ("link", "joint", "transmission"))
+            hint = slip(child.tag, ("link", "joint", "transmission"))
             if hint:
                 raise child.where.error(
                     "robot", f"unknown element <{child.tag}>; {hint}correct or remove it"
@@ -207,7 +206,7 @@ def _structured(
     lost = [name for name in links if name not in reached]
     if lost:
         raise _loop(_cycle(lost[0], above), above)
-    name = _name(root)
+    name = read_name(root)
     return Description(name, links, joints, roots[0], tuple(notes), root.where, above, below)
 
 
@@ -243,113 +242,16 @@ def _unique(items: Sequence[T], kind: str) -> dict[str, T]:
     return found
 
 
-def _name(element: Element, attribute: str = "name") -> str:
-    name = element.attributes.get(attribute)
-    if name is None or not name.strip():
-        raise element.where.error(
-            f"<{element.tag}>", f'no "{attribute}"; it is required; add {attribute}="..."'
-        )
-    if len(name) > _MAX_NAME or not name.isprintable():
-        raise element.where.error(
-            f"<{element.tag}>",
-            f"{shown(name)} is not a name; names are printable and at most {_MAX_NAME} "
-            "characters; rename it",
-        )
-    return name
-
-
-def _known(
-    element: Element, owner: str, children: Sequence[str], attributes: Sequence[str]
-) -> None:
-    """Refuses what is close to something known: a slip that would be overlooked.
-
-    Elements and attributes of other tools' dialects stand in many files and change nothing here.
-    """
-    for child in element.children:
-        if child.tag not in children and (hint := _slip(child.tag, children)):
-            raise child.where.error(owner, f"unknown element <{child.tag}>; {hint}correct it")
-    for key in element.attributes:
-        if key not in attributes and (hint := _slip(key, attributes)):
-            raise element.where.error(
-                owner, f'unknown attribute "{key}" of <{element.tag}>; {hint}correct it'
-            )
-
-
-def _slip(name: str, known: Sequence[str]) -> str:
-    """``did you mean "x"? `` where a letter or two make the difference, else nothing."""
-    alike = [word for word in known if abs(len(word) - len(name)) <= 2]
-    close = difflib.get_close_matches(name[:_MAX_NAME], alike, 1, 0.7)
-    return f'did you mean "{close[0]}"? ' if close else ""
-
-
-def _number(element: Element, key: str, text: str, owner: str) -> Number:
-    stripped = text.strip()
-    if not _NUMBER.fullmatch(stripped):
-        low = stripped.lower().lstrip("+-")
-        what = "is not finite" if low in ("nan", "inf", "infinity") else "is not a number"
-        raise element.where.error(
-            f"{owner}, {key}",
-            f"{shown(text)} {what}; numbers in a URDF are decimal, in SI units without the unit; "
-            "correct it",
-        )
-    value = float(stripped)
-    if not np.isfinite(value) or abs(value) > 1e100:
-        raise element.where.error(
-            f"{owner}, {key}", f"{shown(text)} is out of range; correct the exponent"
-        )
-    return Number(ScalarNode(stripped, element.where), value)
-
-
-def _required(element: Element, key: str, owner: str) -> Number:
-    if key not in element.attributes:
-        raise element.where.error(
-            owner,
-            f'<{element.tag}> has no "{key}"; nothing is guessed; add {key}="..."',
-        )
-    return _number(element, key, element.attributes[key], owner)
-
-
-def _optional(element: Element | None, key: str, owner: str) -> Number | None:
-    if element is None or key not in element.attributes:
-        return None
-    return _number(element, key, element.attributes[key], owner)
-
-
-def _three(
-    element: Element | None, key: str, owner: str, default: str = "0 0 0"
-) -> tuple[Number, Number, Number]:
-    text = default if element is None else element.attributes.get(key, default)
-    parts = text.split()
-    place = element or Element("", {}, Where("", None))
-    if len(parts) != 3:
-        raise place.where.error(
-            f"{owner}, {key}",
-            f"{shown(text)} has {len(parts)} entries; a vector has three, with blanks between; "
-            "correct it",
-        )
-    x, y, z = (_number(place, key, part, owner) for part in parts)
-    return x, y, z
-
-
-def _pose(element: Element | None, owner: str) -> tuple[tuple[Number, Number, Number], Array, bool]:
-    """The three lengths, the transform and whether it turns."""
-    if element is not None:
-        _known(element, owner, (), ("xyz", "rpy"))
-    xyz, rpy = _three(element, "xyz", owner), _three(element, "rpy", owner)
-    angles = [number.value for number in rpy]
-    return xyz, from_xyz_rpy([number.value for number in xyz], angles), any(angles)
-
-
 def _link(element: Element) -> Link:
-    name = _name(element)
+    name = read_name(element)
     owner = f"link {name}"
-    _known(element, owner, _LINK, ("name", "type"))
+    refuse_slips(element, owner, _LINK, ("name", "type"))
     inertial = element.one("inertial", owner)
     return Link(name, None if inertial is None else _inertial(inertial, owner), element.where)
 
 
 def _inertial(element: Element, owner: str) -> Inertial:
-    _known(element, owner, ("origin", "mass", "inertia"), ())
+    refuse_slips(element, owner, ("origin", "mass", "inertia"), ())
     parts = {}
     for tag in ("mass", "inertia"):
         part = element.one(tag, owner)
@@ -360,24 +262,24 @@ def _inertial(element: Element, owner: str) -> Inertial:
                 "a frame without mass",
             )
         parts[tag] = part
-    _known(parts["mass"], owner, (), ("value",))
-    _known(parts["inertia"], owner, (), _ENTRIES)
+    refuse_slips(parts["mass"], owner, (), ("value",))
+    refuse_slips(parts["inertia"], owner, (), _ENTRIES)
     origin = element.one("origin", owner)
-    xyz, pose, turned = _pose(origin, owner)
+    xyz, pose, turned = read_pose(origin, owner)
     if origin is None:
         zero = ScalarNode("0", element.where)
         xyz = (Number(zero, 0.0), Number(zero, 0.0), Number(zero, 0.0))
-    tensor = tuple(_required(parts["inertia"], entry, owner) for entry in _ENTRIES)
-    mass = _required(parts["mass"], "value", owner)
+    tensor = tuple(required(parts["inertia"], entry, owner) for entry in _ENTRIES)
+    mass = required(parts["mass"], "value", owner)
     return Inertial(mass, xyz, pose, turned, tensor, element.where)
 
 
 def _joint(
     element: Element, links: dict[str, Link], reductions: dict[str, Number], notes: list[str]
 ) -> Joint:
-    name = _name(element)
+    name = read_name(element)
     owner = f"joint {name}"
-    _known(element, owner, _JOINT, ("name", "type"))
+    refuse_slips(element, owner, _JOINT, ("name", "type"))
     kind = element.attributes.get("type", "")
     if kind not in JOINT_TYPES:
         found = f"type {shown(kind)}" if kind else 'no "type"'
@@ -391,12 +293,12 @@ def _joint(
             owner, f'link "{ends["child"]}" is its own parent; a robot is a tree; correct it'
         )
     origin = element.one("origin", owner)
-    _, pose, _ = _pose(origin, owner)
+    _, pose, _ = read_pose(origin, owner)
     limit, dynamics = element.one("limit", owner), element.one("dynamics", owner)
     if limit is not None:
-        _known(limit, owner, (), ("lower", "upper", "effort", "velocity"))
+        refuse_slips(limit, owner, (), ("lower", "upper", "effort", "velocity"))
     if dynamics is not None:
-        _known(dynamics, owner, (), ("damping", "friction"))
+        refuse_slips(dynamics, owner, (), ("damping", "friction"))
     return Joint(
         name=name,
         type=kind,
@@ -404,12 +306,12 @@ def _joint(
         child=ends["child"],
         origin=pose,
         axis=_axis(element, owner, kind, notes),
-        lower=_optional(limit, "lower", owner),
-        upper=_optional(limit, "upper", owner),
-        effort=_optional(limit, "effort", owner),
-        velocity=_optional(limit, "velocity", owner),
-        damping=_optional(dynamics, "damping", owner),
-        friction=_optional(dynamics, "friction", owner),
+        lower=optional(limit, "lower", owner),
+        upper=optional(limit, "upper", owner),
+        effort=optional(limit, "effort", owner),
+        velocity=optional(limit, "velocity", owner),
+        damping=optional(dynamics, "damping", owner),
+        friction=optional(dynamics, "friction", owner),
         mimic=_mimic(element, owner),
         reduction=reductions.get(name),
         where=element.where,
@@ -421,7 +323,7 @@ def _end(element: Element, end: str, owner: str, links: dict[str, Link]) -> str:
     child = element.one(end, owner)
     if child is None:
         raise element.where.error(owner, f"no <{end}>; a joint connects two links; add it")
-    name = _name(child, "link")
+    name = read_name(child, "link")
     if name not in links:
         raise child.where.error(
             owner,
@@ -436,8 +338,8 @@ def _axis(element: Element, owner: str, kind: str, notes: list[str]) -> Array:
     if kind in ("fixed", "floating"):
         return np.array([0.0, 0.0, 1.0])
     if axis is not None:
-        _known(axis, owner, (), ("xyz",))
-    values = np.array([number.value for number in _three(axis, "xyz", owner, "1 0 0")])
+        refuse_slips(axis, owner, (), ("xyz",))
+    values = np.array([number.value for number in three(axis, "xyz", owner, "1 0 0")])
     largest = float(np.max(np.abs(values)))
     if largest == 0.0:
         raise (axis or element).where.error(
@@ -455,11 +357,11 @@ def _mimic(element: Element, owner: str) -> Mimic | None:
     mimic = element.one("mimic", owner)
     if mimic is None:
         return None
-    _known(mimic, owner, (), ("joint", "multiplier", "offset"))
-    multiplier = _optional(mimic, "multiplier", owner)
-    offset = _optional(mimic, "offset", owner)
+    refuse_slips(mimic, owner, (), ("joint", "multiplier", "offset"))
+    multiplier = optional(mimic, "multiplier", owner)
+    offset = optional(mimic, "offset", owner)
     return Mimic(
-        _name(mimic, "joint"),
+        read_name(mimic, "joint"),
         1.0 if multiplier is None else multiplier.value,
         0.0 if offset is None else offset.value,
         mimic.where,
@@ -488,7 +390,7 @@ def _reductions(root: Element, notes: list[str]) -> dict[str, Number]:
     """Reduction by joint name of the transmissions that have one joint and one reduction."""
     found: dict[str, Number] = {}
     for element in root.all("transmission"):
-        owner = f"transmission {element.attributes.get('name', '')[:_MAX_NAME]}".strip()
+        owner = f"transmission {element.attributes.get('name', '')[:MAX_NAME]}".strip()
         joints = list(element.all("joint"))
         places = [element, *element.all("actuator"), *joints]
         given = [part for place in places for part in place.all("mechanicalReduction")]
@@ -501,7 +403,7 @@ def _reductions(root: Element, notes: list[str]) -> dict[str, Number]:
             )
             continue
         try:
-            number = _number(given[0], "mechanicalReduction", given[0].text, owner)
+            number = read_number(given[0], "mechanicalReduction", given[0].text, owner)
         except DescriptionError as problem:
             # Placeholders such as "reduction" stand in real files; without a rotor inertia, which
             # a URDF cannot give, the number acts on nothing.
@@ -511,7 +413,7 @@ def _reductions(root: Element, notes: list[str]) -> dict[str, Number]:
             raise given[0].where.error(
                 owner, "mechanicalReduction is 0; motor over joint is not 0; correct it"
             )
-        name = _name(joints[0])
+        name = read_name(joints[0])
         if name in found:
             notes.append(f"{owner}: joint {name} has a transmission already; left out")
             continue
