@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import modrobust as mr
+from modrobust.engine_loop import EngineLoop
 from modrobust.errors import MissingExtraError, ValueRangeError
 from modrobust.plants import PLANTS, make_plant
 from modrobust.result import LOGGED
@@ -118,6 +119,45 @@ def test_a_violated_bound_is_seen_with_every_plant() -> None:
     counts = {statistics.violations for statistics in ran if statistics is not None}
     assert len(counts) == 1
     assert counts.pop() > 150
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_bound_violated_on_one_side_only_is_seen(side: float) -> None:
+    """A disturbance beyond [d] moves w of every joint to one side."""
+    robot = mr.load_robot("lwa4p-payload")
+    options: dict[str, Any] = {"disturbance": side * np.full(robot.n, 100.0), "control_rate": RATE}
+    ran = [simulate(robot, plant=p, duration=0.003, **options).statistics for p in PLANTS]
+    assert [s.violations for s in ran if s is not None] == [10, 10, 10]
+    largest = [s.violation_max for s in ran if s is not None]
+    np.testing.assert_allclose(largest, largest[0], rtol=1e-9)
+    assert largest[0] > 1.0
+
+
+class Script:
+    """A plant that moves as it is told."""
+
+    def __init__(self, rows: Any) -> None:
+        self._rows = iter(rows)
+        self.q = next(self._rows)
+        self.dq = np.zeros(len(self.q))
+
+    def advance(self, tau: Any) -> None:
+        self.q = next(self._rows, self.q)
+
+
+def test_the_largest_error_counts_from_the_last_time_that_epsilon_was_left() -> None:
+    robot = mr.load_robot("lwa4p-paper")
+    controller = mr.RobustController(robot, epsilon=0.01)
+    rows = np.zeros((6, robot.n))
+    rows[:, 2] = [0.0, 0.009, 0.02, 0.003, 0.005, 0.004]
+    loop = EngineLoop(controller, Script(rows), robot.nominal, np.zeros(robot.n), 0.001)
+    zero = np.zeros((6, robot.n))
+    log = loop.advance(zero, zero, zero, 2)
+    assert log["t"].tolist() == [0.0, 0.002, 0.004]
+    np.testing.assert_array_equal(log["q"], rows[::2])
+    assert (loop.ticks, loop.last_outside) == (6, 0.002)
+    assert loop.error_max_after == pytest.approx(0.005, abs=1e-15)
+    assert loop.error_last == pytest.approx(0.004, abs=1e-15)
 
 
 @pytest.mark.parametrize("plant", ENGINES)
