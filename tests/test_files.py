@@ -67,14 +67,37 @@ def test_a_link_stays_a_link_and_permissions_follow_the_umask(tmp_path: Path) ->
         ("a.txt", 'suffix ".txt"; a report ends in .json; name it so'),
         ("folder.json", "is a directory; give the name of a file in it"),
         ("pipe.json", "is read-only or no regular file; choose another place"),
+        ("device.json", "is read-only or no regular file; choose another place"),
     ],
 )
 def test_a_wrong_place_is_refused_before_the_work(tmp_path: Path, name: str, message: str) -> None:
     (tmp_path / "folder.json").mkdir()
     os.mkfifo(tmp_path / "pipe.json")
+    (tmp_path / "device.json").symlink_to("/dev/full")
     before = sorted(os.listdir(tmp_path))
     with pytest.raises(FileError) as caught:
         check_writable(tmp_path / name, *KIND)
     assert str(caught.value) == f"{tmp_path / name}: {message}"
     check_writable(tmp_path / "fine.json", *KIND)
     assert sorted(os.listdir(tmp_path)) == before
+
+
+def test_a_link_to_a_file_of_another_suffix_is_written_through(tmp_path: Path) -> None:
+    (tmp_path / "real.txt").touch()
+    (tmp_path / "link.json").symlink_to("real.txt")
+    with replacing(tmp_path / "link.json", *KIND) as part:
+        assert part.suffix == ".json"  # numpy adds the suffix of its own where another stands
+        part.write_text("new")
+    assert (tmp_path / "real.txt").read_text() == "new"
+
+
+def test_a_working_directory_that_is_gone_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    folder.rmdir()
+    with pytest.raises(FileError) as caught:
+        check_writable("a.json", *KIND)
+    assert str(caught.value) == ("a.json: the working directory is gone; change to one that exists")

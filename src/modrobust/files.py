@@ -27,7 +27,7 @@ def replacing(path: str | Path, suffix: str, what: str) -> Iterator[Path]:
             writing fails.
     """
     target = _target(path, suffix, what)
-    part = _new_file(path, target)
+    part = _new_file(path, target, suffix)
     try:
         yield part
         os.replace(part, target)
@@ -45,13 +45,17 @@ def check_writable(path: str | Path, suffix: str, what: str) -> None:
     Raises:
         FileError: See `replacing`.
     """
-    _new_file(path, _target(path, suffix, what)).unlink()
+    _new_file(path, _target(path, suffix, what), suffix).unlink()
 
 
 def _target(path: str | Path, suffix: str, what: str) -> Path:
-    target = Path(os.path.realpath(path))
-    if target.suffix.lower() != suffix:
-        raise FileError(path, f'suffix "{Path(path).suffix}"; {what} ends in {suffix}; name it so')
+    found = Path(path).suffix
+    if found.lower() != suffix:  # of the name given: a link may lead to another
+        raise FileError(path, f'suffix "{found}"; {what} ends in {suffix}; name it so')
+    try:
+        target = Path(os.path.realpath(path))
+    except FileNotFoundError:
+        raise FileError(path, "the working directory is gone; change to one that exists") from None
     if target.is_dir():
         raise FileError(path, "is a directory; give the name of a file in it")
     if not target.parent.is_dir():
@@ -61,8 +65,8 @@ def _target(path: str | Path, suffix: str, what: str) -> Path:
     return target
 
 
-def _new_file(path: str | Path, target: Path) -> Path:
-    part = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix.lower()}")
+def _new_file(path: str | Path, target: Path, suffix: str) -> Path:
+    part = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{suffix}")
     try:
         os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
     except OSError as error:

@@ -1,26 +1,48 @@
 """The command line: typer and rich live here and nowhere else; nothing imports this package.
 
-Exit codes: 0 fine; 1 ran, but the answer is bad; 2 bad input or usage; 130 interrupted. Results go
-to stdout, everything else to stderr. A traceback means a bug in modrobust.
+Exit codes: 0 fine; 1 ran, but the answer is bad; 2 bad input or usage; 130 interrupted; 141 who
+read the results closed the pipe. Results go to stdout, everything else to stderr. A traceback means
+a bug in modrobust.
 """
 
 from __future__ import annotations
 
 import sys
-from io import TextIOWrapper
-
-from modrobust.errors import InputError, ModrobustError
 
 
 def main() -> None:
     """Run the command line; what modrobust raises on purpose ends as one line on stderr."""
-    from modrobust.cli.app import app  # late: typer is not needed to import the package
+    try:
+        code = _guarded()
+    except KeyboardInterrupt:  # the commands handle their own; this one came while they load
+        sys.stderr.write("interrupted\n")
+        code = 130
+    sys.exit(code)
 
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # where a terminal lacks a letter
+
+def _guarded() -> str | int | None:
+    from modrobust.cli.results_stream import StdoutError, drop_results, guard_streams
+
+    try:
+        guard_streams()
+        code = _run()
+        sys.stdout.flush()
+    except StdoutError as problem:
+        drop_results()
+        sys.stderr.write(problem.message)
+        return problem.code
+    return code
+
+
+def _run() -> str | int | None:
+    from modrobust.cli.app import app  # late: typer is not needed to import the package
+    from modrobust.errors import InputError, ModrobustError
+
     try:
         app(prog_name="modrobust")
     except ModrobustError as error:
         sys.stderr.write(f"{error}\n")
-        sys.exit(2 if isinstance(error, InputError) else 1)
+        return 2 if isinstance(error, InputError) else 1
+    except SystemExit as end:
+        return end.code
+    return 0
