@@ -7,7 +7,7 @@ import pytest
 
 from modrobust.assembly import load_robot
 from modrobust.dynamics import forward_kinematics, inverse_dynamics, mass_matrix
-from modrobust.errors import DescriptionError, FileError
+from modrobust.errors import DescriptionError, FileError, ValueRangeError
 from small_modules import Composed, assert_same_robot, message, rotate
 
 
@@ -366,3 +366,64 @@ def test_module_files_are_named_without_detours(load, tmp_path):
     with pytest.raises(DescriptionError) as caught:
         load_robot("robots/arm.yaml")
     assert str(caught.value).startswith("modules/broken.yaml:")
+
+
+def test_acceleration_limits_of_modules_reach_the_robot(load):
+    limited = """
+modrobust: 1
+module: fast
+name: Limited joint
+source: made up
+connectors: {in: {type: t}, out: {type: t}}
+chain:
+  - joint: axis
+    type: revolute
+    limits: {acceleration: 150 deg/s^2}
+  - body: rod
+    mass: 1 kg
+    com: [0, 0, 0]
+    inertia: {xx: 1e-3, yy: 1e-3, zz: 1e-3}
+"""
+    robot = load("chain: [hinge, fast]\n", {"fast": limited})
+    np.testing.assert_allclose(robot.acceleration_limits, [np.inf, math.radians(150)], rtol=1e-15)
+
+
+def test_a_chain_that_is_singular_only_at_the_zero_pose_loads(load):
+    # A point mass on a two-link arm, links of 0.3 m and 0.5 m: det M = m^2 a^2 b^2 sin(q2)^2.
+    link = SPINNER.replace("{in: {type: t}}", "{in: {type: t}, out: {type: t}}")
+    link += "  - frame: reach\n    span: {xyz: [0.3, 0, 0]}\n"
+    robot = load(
+        "chain: [spinner, {module: spinner, as: outer}]\npayload: {mass: 1 kg, com: [0.2, 0, 0]}\n",
+        {"spinner": link},
+    )
+    stretched, bent = (mass_matrix(robot, np.array([0.0, q])) for q in (0.0, 1.0))
+    assert abs(np.linalg.det(stretched)) < 1e-15
+    assert np.linalg.det(bent) == pytest.approx((0.3 * 0.5 * math.sin(1.0)) ** 2)
+
+
+def test_where_a_robots_figures_come_from_is_among_its_remarks(load):
+    robot = load("source: [data sheet, measured]\nnotes: by hand\nchain: [hinge]\n")
+    assert robot.notes[:3] == ("source: data sheet", "source: measured", "by hand")
+
+
+def test_what_is_said_of_a_scenario_reaches_the_robot(load):
+    robot = load(
+        "chain: [hinge]\n"
+        "scenarios: {plain: {set: {}}, told: {set: {}, notes: [nominal, all of it]}}\n"
+    )
+    assert dict(robot.scenario_notes) == {"told": "nominal all of it"}
+
+
+@pytest.mark.parametrize("name", ["", " "])
+def test_no_name_at_all_is_refused(name):
+    with pytest.raises(ValueRangeError) as caught:
+        load_robot(name)
+    assert str(caught.value) == (
+        "robot: an empty text; the name of a built-in robot or the path of a file is expected"
+    )
+
+
+def test_a_line_break_in_a_name_stays_one_line_of_message():
+    with pytest.raises(FileError) as caught:
+        load_robot("a\nb\x1b.yaml")
+    assert str(caught.value) == "a\\nb\\x1b.yaml: no such file; check the path"

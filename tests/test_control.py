@@ -145,6 +145,11 @@ def test_settings_default_to_the_robots_and_keywords_override_them(robot: Robot)
     ("settings", "kind", "message"),
     [
         ({"law": "nrom"}, ValueRangeError, 'law: no law "nrom"; did you mean "norm"? known: norm'),
+        (
+            {"law": ["norm"]},
+            ValueRangeError,
+            'law: no law "[\'norm\']"; did you mean "norm"? known: norm',
+        ),
         ({"bound": "exact"}, ValueRangeError, 'bound: no bound "exact"; known: hull, ianea'),
         ({"kappa_P": -1}, ValueRangeError, "kappa_P: -1; must be finite and not negative"),
         ({"phi_I": np.nan}, ValueRangeError, "phi_I: nan; must be finite and not negative"),
@@ -210,6 +215,27 @@ def test_a_number_that_is_not_finite_never_gives_a_torque(
         mr.RobustController(robot).command(0.0, *args)
     with pytest.raises(ValueRangeError):
         mr.RobustController(robot).command(bad, *inputs(1))
+
+
+@pytest.mark.parametrize(
+    ("t", "message"),
+    [
+        (np.nan, "t: nan s; must be finite"),
+        (np.inf, "t: inf s; must be finite"),
+        ("abc", "t: 'abc'; must be a number [s]"),
+        (None, "t: None; must be a number [s]"),
+        ([0.0], "t: [0.0]; must be a number [s]"),
+    ],
+)
+def test_a_time_that_is_no_instant_is_refused_and_changes_nothing(
+    robot: Robot, t: Any, message: str
+) -> None:
+    controller = mr.RobustController(robot)
+    controller.command(1.0, *inputs(1))
+    with pytest.raises(ValueRangeError) as caught:
+        controller.command(t, *inputs(1))
+    assert str(caught.value) == message
+    controller.command(1.0, *inputs(1))
 
 
 def test_times_of_commands_are_positive_and_leave_the_controller_alone(robot: Robot) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modrobust.assembly import load_robot
-from modrobust.dh import dh_forward, dh_table, joint_frames_tip
+from modrobust.dh import dh_table
 from modrobust.geometry import (
     dh_standard,
     from_xyz_rpy,
@@ -16,6 +16,25 @@ from modrobust.geometry import (
 )
 
 REVOLUTE, PRISMATIC = "revolute", "prismatic"
+
+
+def dh_forward(table, joint_types, q):
+    """Tip frame in the base frame from the table: base, rows, tool."""
+    transform = table.base
+    for row, kind, position in zip(table.rows, joint_types, q, strict=True):
+        turn, shift = (0.0, position) if kind == "prismatic" else (position, 0.0)
+        transform = transform @ dh_standard(row.a, row.alpha, row.d + shift, row.theta + turn)
+    return transform @ table.tool
+
+
+def joint_frames_tip(joint_types, before, after, q):
+    """Tip frame in the base frame from the module frames."""
+    transform = np.eye(4)
+    for kind, position, b, a in zip(joint_types, q, before, after, strict=True):
+        prismatic = kind == "prismatic"
+        motion = translation((0.0, 0.0, position)) if prismatic else rotation_z(position)
+        transform = transform @ b @ motion @ a
+    return transform
 
 
 def chain(spans):

@@ -17,6 +17,7 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "src" / "modrobust"
 LAYERS = {
     "errors": 0,
+    "arguments": 0,
     "arrays": 0,
     "files": 0,
     "names": 0,
@@ -57,6 +58,7 @@ LAYERS = {
     "dynamics": 3,
     "control": 4,
     "metrics": 4,
+    "remarks": 4,
     "spline": 4,
     "motion_limits": 4,
     "trajectory": 4,

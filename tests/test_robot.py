@@ -258,3 +258,27 @@ def test_packed_is_the_kernels_order():
         coulomb=np.array([13.0]),
     )
     np.testing.assert_array_equal(point.packed, np.arange(1.0, 14.0))
+
+
+def test_acceleration_limits_are_infinite_unless_given_and_left_out_of_the_resolved_robot():
+    robot = synthetic_chain(2)
+    np.testing.assert_array_equal(robot.acceleration_limits, [np.inf, np.inf])
+    limited = replace(robot, acceleration_limits=np.array([1.0, 2.0]))
+    assert limited.to_dict() == robot.to_dict()
+    with pytest.raises(ShapeError, match=r"^acceleration_limits: expected shape \(2,\), got "):
+        replace(robot, acceleration_limits=np.ones(3))
+
+
+@pytest.mark.parametrize("draw", ["sample_parameters", "corner_parameters"])
+@pytest.mark.parametrize(
+    ("rng", "message"),
+    [
+        (-1, "rng: -1; must be at least 0"),
+        (1.5, "rng: 1.5; must be a whole number"),
+        (None, "rng: None; must be a whole number"),
+    ],
+)
+def test_a_seed_that_is_none_is_refused(draw, rng, message):
+    with pytest.raises(ValueRangeError) as caught:
+        getattr(synthetic_chain(1), draw)(rng)
+    assert str(caught.value) == message

@@ -61,6 +61,15 @@ def test_a_scenario_outside_its_bounds_is_refused(load):
     )
 
 
+def test_a_scenario_below_its_lower_bound_is_refused(load):
+    assert "0.62 lies outside the bounds [0.63, 0.77]" in message(
+        load, scenario("hinge.rotor.mass: 0.62 kg")
+    )
+    assert "1.9 lies outside the bounds" in message(
+        load, scenario("hinge.axis.friction.viscous: 1.9")
+    )
+
+
 def test_an_exact_parameter_can_only_be_set_to_itself(load):
     assert load(scenario("hinge.stator.mass: 1 kg")).n == 1
     assert "lies outside the bounds [1, 1]" in message(load, scenario("hinge.stator.mass: 1.1 kg"))

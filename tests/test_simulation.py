@@ -371,6 +371,20 @@ def test_a_log_that_cannot_be_written_is_refused_and_nothing_is_left(
         ({"control_rate": 0.0}, ValueRangeError, "control_rate: 0 Hz; must lie in"),
         ({"control_rate": np.nan}, ValueRangeError, "control_rate: nan Hz; must lie in"),
         ({"substeps": 0}, ValueRangeError, "substeps: 0; must be at least 1"),
+        ({"control_rate": "50k"}, ValueRangeError, "control_rate: '50k'; must be a number [Hz]"),
+        ({"duration": "1 s"}, ValueRangeError, "duration: '1 s'; must be a number [s]"),
+        ({"substeps": 1.5}, ValueRangeError, "substeps: 1.5; must be a whole number"),
+        ({"substeps": 2**40}, ValueRangeError, "substeps: 1099511627776; must be at most 1000000"),
+        ({"seed": -1}, ValueRangeError, "seed: -1; must be at least 0"),
+        ({"seed": None}, ValueRangeError, "seed: None; must be a whole number"),
+        (
+            {"law": ["norm"]},
+            ValueRangeError,
+            'law: no law "[\'norm\']"; did you mean "norm"? known: norm',
+        ),
+        ({"plant": ["builtin"]}, ValueRangeError, "plant: no plant \"['builtin']\""),
+        ({"parameters": 3}, ValueRangeError, 'parameters: no parameters "3"; known: nominal'),
+        ({"trajectory": 5}, ValueRangeError, "trajectory: 5; must be a trajectory, a name or a"),
         ({"q0": [0.0]}, ShapeError, r'q0: expected shape (2,), got (1,); robot "chain-2"'),
         ({"dq0": [0.0, np.nan]}, ValueRangeError, "dq0[1] is nan; every entry must be finite"),
         ({"disturbance": [0.0] * 3}, ShapeError, "disturbance: expected shape (2,), got (3,)"),
@@ -405,6 +419,54 @@ def test_a_scenario_and_parameters_exclude_each_other(paper: Robot) -> None:
     with pytest.raises(ValueRangeError) as caught:
         simulate(paper, scenario="3")
     assert str(caught.value) == 'scenario: no scenario "3"; known: 1, 2'
+
+
+def test_a_scenario_can_be_given_by_its_number(paper: Robot) -> None:
+    run = simulate(paper, scenario=1, duration=1e-3)
+    assert run.settings["scenario"] == "1"
+    assert run.parameters is paper.scenarios["1"]
+    with pytest.raises(ValueRangeError, match='scenario: no scenario "3"; known: 1, 2'):
+        true_robot(paper, scenario=3)
+
+
+def test_a_start_outside_the_position_limits_is_refused(arm: Robot) -> None:
+    with pytest.raises(ValueRangeError) as caught:
+        short(arm, q0=[0.0, -1.5])
+    assert str(caught.value) == (
+        'q0: joint "link2.axis" is at -1.5 rad; its position must stay in [-1, 1] rad; start '
+        "within its limits"
+    )
+    assert short(arm, q0=[2.0, -1.0], trajectory=REST).t[-1] == 0.2  # the limits themselves
+    own = replace(arm, initial_q=np.array([2.5, 0.0]))
+    with pytest.raises(ValueRangeError) as caught:
+        short(own)
+    assert str(caught.value) == (
+        'initial.q: joint "link1.axis" is at 2.5 rad; its position must stay in [-2, 2] rad; '
+        "start within its limits"
+    )
+    assert short(own, q0=[0.0, 0.0]).t[-1] == 0.2
+
+
+@pytest.mark.parametrize(
+    ("duration", "rate", "ticks"),
+    [
+        (0.0105, 1e3, 11),  # half a tick beyond the last
+        (0.0109, 1e3, 11),
+        (0.3, 1e4, 3001),  # products that round below a whole number, or above it
+        (0.29, 1e4, 2901),
+        (0.07, 1e4, 701),
+        (1.1, 3e3, 3301),
+    ],
+)
+def test_the_last_tick_lies_within_the_duration(
+    arm: Robot, duration: float, rate: float, ticks: int
+) -> None:
+    run = short(arm, trajectory=REST, duration=duration, control_rate=rate)
+    assert run.statistics is not None
+    assert run.statistics.ticks == ticks
+    assert (ticks - 1) / rate <= duration * (1.0 + 1e-15) < ticks / rate
+    rows = np.array([0.0, duration])
+    short(arm, trajectory=Splined(rows, np.zeros((2, 2))), duration=duration, control_rate=rate)
 
 
 def test_parameters_of_another_robot_are_refused(arm: Robot) -> None:

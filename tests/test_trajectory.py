@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,11 +28,17 @@ from modrobust.trajectory import (
 NAMES = ("link1.axis", "link2.axis")
 
 
-def chain(n: int = 2, position: float = np.inf, velocity: float = np.inf) -> Robot:
+def chain(
+    n: int = 2,
+    position: float = np.inf,
+    velocity: float = np.inf,
+    acceleration: float = np.inf,
+) -> Robot:
     return replace(
         synthetic_chain(n),
         position_limits=np.tile([-position, position], (n, 1)),
         velocity_limits=np.full(n, velocity),
+        acceleration_limits=np.full(n, acceleration),
     )
 
 
@@ -131,6 +138,38 @@ def test_the_default_motion_stays_within_limits_and_is_seeded() -> None:
     assert np.abs(np.diff(one, axis=0)).max() > 0.1
 
 
+@pytest.mark.parametrize("limit", ["velocity", "acceleration"])
+def test_the_peak_of_the_default_motion_is_half_its_limit(limit: str) -> None:
+    # The range is so wide that every step of the seeded waypoints is as long as the limit allows.
+    robot = chain(3, position=1e6, **{limit: 0.8})
+    motion = default_trajectory(robot, 10.0)
+    peak = np.abs(motion.sample(np.linspace(0.0, 10.0, 100_001))[1 + (limit != "velocity")])
+    np.testing.assert_allclose(peak.max(axis=0), 0.4, rtol=1e-6)
+    check_limits(robot, motion, 10.0)
+
+
+def test_the_default_motion_without_limits_is_slow() -> None:
+    robot = replace(chain(2), joint_types=("revolute", "prismatic"))
+    peak = np.abs(default_trajectory(robot, 1.0).sample(np.linspace(0.0, 1.0, 10_001))[1])
+    assert (peak.max(axis=0) <= [0.5 + 1e-9, 0.1 + 1e-9]).all()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"duration": 0.0}, "duration: 0 s; must be positive and finite"),
+        ({"duration": "5"}, "duration: '5'; must be a number [s]"),
+        ({"seed": -1}, "seed: -1; must be at least 0"),
+    ],
+)
+def test_a_default_motion_of_wrong_numbers_is_refused(
+    options: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueRangeError) as caught:
+        default_trajectory(chain(), **options)
+    assert str(caught.value) == message
+
+
 def test_the_default_motion_respects_a_range_that_excludes_zero() -> None:
     robot = replace(chain(2), position_limits=np.array([[0.5, 0.6], [-np.inf, -1.0]]))
     check_limits(robot, default_trajectory(robot, 10.0), 10.0)
@@ -154,6 +193,19 @@ def test_leaving_a_velocity_limit_names_joint_value_limit_and_time() -> None:
         'trajectory: joint "link1.axis" moves at -0.28125 rad/s at t = 1 s; its velocity must '
         "stay in [-0.2, 0.2] rad/s; slow the motion down"
     )
+
+
+def test_leaving_an_acceleration_limit_names_joint_value_limit_and_time() -> None:
+    robot = chain(2, acceleration=0.2)
+    motion = Quintic(np.array([0.0, 2.0]), np.array([[0.0, 0.0], [-0.1, 0.3]]))
+    with pytest.raises(ValueRangeError) as caught:
+        check_limits(robot, motion, 1.0)  # the first half, which speeds up
+    # 10 / sqrt(3) times 0.3 rad / (2 s)^2, at s = 1/2 - sqrt(3)/6.
+    assert str(caught.value) == (
+        'trajectory: joint "link2.axis" accelerates at 0.433012 rad/s^2 at t = 0.423 s; its '
+        "acceleration must stay in [-0.2, 0.2] rad/s^2; slow the motion down"
+    )
+    check_limits(chain(2, acceleration=0.4330128), motion, 2.0)
 
 
 def test_a_motion_up_to_the_limit_itself_is_fine() -> None:

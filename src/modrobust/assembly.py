@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 
 from modrobust.catalogue import builtin_robots
 from modrobust.construction import build
-from modrobust.errors import FileError
+from modrobust.errors import FileError, ValueRangeError
 from modrobust.formats import Assembly, BodyItem, load_assembly
-from modrobust.formats.structure import did_you_mean
 from modrobust.geometry import inverse
 from modrobust.mounting import EndStep, JointStep, Mounted, SpanStep, mount_chain
+from modrobust.names import did_you_mean
 from modrobust.options import urdf_assembly, with_options
 from modrobust.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.robot import Robot
@@ -58,9 +58,13 @@ def load_robot(
     Raises:
         FileError: There is neither such a file nor such a robot.
         DescriptionError: The description, or a module of it, is at fault.
-        ValueRangeError: An option is not of its form.
+        ValueRangeError: No file or name is given, or an option is not of its form.
         MissingExtraError: A xacro file, and the package that expands it is not installed.
     """
+    if not str(path_or_name).strip():
+        raise ValueRangeError(
+            "robot: an empty text; the name of a built-in robot or the path of a file is expected"
+        )
     path = _file_of(path_or_name)
     is_urdf = path.suffix.lower() in URDF_SUFFIXES
     description = urdf_assembly(path) if is_urdf else load_assembly(path)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from modrobust.errors import FileError
 from modrobust.formats import Module, Where, load_module
-from modrobust.formats.structure import did_you_mean
 from modrobust.mating import mating_problem
+from modrobust.names import did_you_mean
 
 _SUFFIXES = (".yaml", ".yml", ".json")  # where two files have one stem, the first suffix wins
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.formats import Assembly, JointItem, Quantity
-from modrobust.formats.structure import did_you_mean
+from modrobust.names import did_you_mean
 from modrobust.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.physical import is_physical
 from modrobust.regularity import refuse_singular
@@ -56,6 +56,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
         position_limits=np.array(limits),
         velocity_limits=np.array([_or_infinite(item.velocity) for item in items]),
         effort_limits=np.array([_or_infinite(item.effort) for item in items]),
+        acceleration_limits=np.array([_or_infinite(item.acceleration) for item in items]),
         gear_ratio=np.array([joint.item.gear_ratio or 0.0 for joint in joints]),
         coulomb_speed=np.array([joint.item.coulomb_speed for joint in joints]),
         body_names=body_names,
@@ -75,10 +76,12 @@ def build(description: Assembly, parts: Parts) -> Robot:
         notes=(
             *_payload_notes(description),
             *_scenario_notes(scenarios, body_names, nominal),
+            *(f"source: {text}" for text in description.source),
             *description.notes,
             *parts.notes,
         ),
         scenarios=scenarios,
+        scenario_notes=description.scenario_notes,
         trajectory=trajectory_settings(description.trajectory, names, types),
         initial_q=_vector(per_joint(description.initial_q, names, types)),
         initial_dq=_vector(per_joint(description.initial_dq, names, types)),

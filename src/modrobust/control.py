@@ -15,16 +15,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
+from modrobust.arguments import as_number
 from modrobust.arrays import as_array
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import METHODS, status_error
+from modrobust.names import did_you_mean
 from modrobust.robot import ControllerSettings, Robot
 
 Array = NDArray[np.float64]
@@ -136,15 +137,18 @@ class RobustController:
 
         Raises:
             ShapeError: A vector does not have ``n`` entries.
-            ValueRangeError: A number is not finite, or a joint angle is beyond 1e5 rad.
+            ValueRangeError: A number is none or not finite, or a joint angle is beyond 1e5 rad.
             TimeOrderError: ``t`` is before the previous command's; see `reset`.
 
         On an error the integrators are as they were: the next command can follow.
         """
         shape, owner = (self.robot.n,), self._owner
+        time = as_number("t", t, "s")
+        if not math.isfinite(time):
+            raise ValueRangeError(f"t: {time:g} s; must be finite")
         try:
             out = self.kernel.command(
-                float(t),
+                time,
                 as_array("q", q, shape, owner),
                 as_array("dq", dq, shape, owner),
                 as_array("q_des", q_des, shape, owner),
@@ -204,18 +208,14 @@ class RobustController:
 
 
 def _known(name: str, value: str, known: Mapping[str, int]) -> str:
-    if value in known:
+    if isinstance(value, str) and value in known:
         return value
-    close = get_close_matches(str(value), known, 1)
-    hint = f'did you mean "{close[0]}"? ' if close else ""
+    hint = did_you_mean(value, known)
     raise ValueRangeError(f'{name}: no {name} "{value}"; {hint}known: {", ".join(known)}')
 
 
 def _gain(name: str, value: float) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise ValueRangeError(f"{name}: {value!r}; must be a number") from None
+    number = as_number(name, value)
     if not (math.isfinite(number) and number >= 0.0):
         raise ValueRangeError(f"{name}: {number:g}; must be finite and not negative")
     return number
@@ -226,8 +226,7 @@ def _per_joint(name: str, robot: Robot, value: PerJoint) -> tuple[float, ...]:
     if isinstance(value, Mapping):
         for joint in value:
             if joint not in robot.joint_names:
-                close = get_close_matches(str(joint), robot.joint_names, 1)
-                hint = f'did you mean "{close[0]}"? ' if close else ""
+                hint = did_you_mean(joint, robot.joint_names)
                 raise ValueRangeError(
                     f'{name}: no joint "{joint}"; {hint}known: {", ".join(robot.joint_names)}'
                 )

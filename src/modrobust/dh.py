@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust.geometry import dh_standard, rotation_z, translation
+from modrobust.geometry import rotation_z, translation
 
 Array = NDArray[np.float64]
 
@@ -103,33 +103,6 @@ def dh_table(parents: Sequence[int] | NDArray[np.int32], before: Array, after: A
         h, phi = step.h, step.phi
     tool = translation((0.0, 0.0, -h)) @ rotation_z(-phi) + 0.0
     return DHTable(base=before[0].copy() if n else np.eye(4), rows=tuple(rows), tool=tool)
-
-
-def dh_forward(table: DHTable, joint_types: Sequence[str], q: Sequence[float] | Array) -> Array:
-    """Tip frame in the base frame, shape ``(4, 4)``, from the table: base, rows, tool.
-
-    Args:
-        table: Table of a robot with ``n`` joints.
-        joint_types: "revolute" or "prismatic", ``n`` of them.
-        q: Joint positions, shape ``(n,)`` [rad], [m] for prismatic joints.
-    """
-    transform = table.base
-    for row, kind, position in zip(table.rows, joint_types, q, strict=True):
-        turn, shift = (0.0, position) if kind == "prismatic" else (position, 0.0)
-        transform = transform @ dh_standard(row.a, row.alpha, row.d + shift, row.theta + turn)
-    return transform @ table.tool
-
-
-def joint_frames_tip(
-    joint_types: Sequence[str], before: Array, after: Array, q: Sequence[float] | Array
-) -> Array:
-    """Tip frame in the base frame, shape ``(4, 4)``, from the module frames of a serial chain."""
-    transform = np.eye(4)
-    for kind, position, b, a in zip(joint_types, q, before, after, strict=True):
-        prismatic = kind == "prismatic"
-        motion = translation((0.0, 0.0, position)) if prismatic else rotation_z(position)
-        transform = transform @ b @ motion @ a
-    return transform
 
 
 def _decompose(transform: Array) -> _Step:

@@ -16,11 +16,20 @@ Every message says where, what was found, the rule and the remedy::
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+
+_BREAKS = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 
 
 class ModrobustError(Exception):
-    """Base of every exception that modrobust raises on purpose."""
+    """Base of every exception that modrobust raises on purpose; its message is one line.
+
+    A control character that a name or a path brought in is shown escaped.
+    """
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(_BREAKS.sub(lambda found: ascii(found[0])[1:-1], message))
 
 
 class InputError(ModrobustError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,42 +16,90 @@ Array = NDArray[np.float64]
 
 
 def check_limits(robot: Robot, trajectory: Trajectory, duration: float) -> None:
-    """Refuse a motion that leaves the robot's position or velocity limits within ``duration`` [s].
+    """Refuse a motion that leaves the robot's limits within ``duration`` [s].
 
-    The motion is looked at every millisecond (at least 1000 times, at most a million).
+    Position, velocity and acceleration are looked at every millisecond (at least 1000 times, at
+    most a million).
 
     Raises:
         ValueRangeError: Names the joint, its largest excess, the limit and the time.
     """
     count = int(min(max(math.ceil(duration * 1e3), 1000), 1_000_000)) + 1
     for chunk in np.array_split(np.linspace(0.0, duration, count), math.ceil(count / 50_000)):
-        q, dq, _ = trajectory.sample(chunk)
-        lo, hi = robot.position_limits.T
-        _refuse(robot, chunk, q, np.maximum(lo - q, q - hi), (lo, hi), "position")
-        limit = robot.velocity_limits
-        _refuse(robot, chunk, dq, np.abs(dq) - limit, (-limit, limit), "velocity")
+        for value, kind in zip(trajectory.sample(chunk), _KINDS, strict=True):
+            lo, hi = kind.limits(robot)
+            found = _largest_excess(value, lo, hi)
+            if found is not None:
+                k, j = found
+                where = f" at t = {chunk[k]:.6g} s"
+                raise _refusal(robot, "trajectory", j, value[k, j], kind, where, kind.remedy)
 
 
-def _refuse(
-    robot: Robot, t: Array, value: Array, excess: Array, limits: tuple[Array, Array], what: str
-) -> None:
-    # A motion up to the limit itself is fine, whatever rounding and spline make of it.
+def check_start(robot: Robot, name: str, q: Array) -> None:
+    """Refuse positions ``(n,)`` at the start that are outside the robot's limits.
+
+    Args:
+        robot: The robot.
+        name: What the caller knows the positions as.
+        q: The positions [rad] or [m].
+
+    Raises:
+        ValueRangeError: Names the joint and its limits.
+    """
+    kind = _KINDS[0]
+    found = _largest_excess(q[None], *kind.limits(robot))
+    if found is not None:
+        j = found[1]
+        raise _refusal(robot, name, j, q[j], kind, "", "start within its limits")
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """What is limited, and how a message speaks of it."""
+
+    name: str
+    verb: str
+    per: str
+    remedy: str
+
+    def limits(self, robot: Robot) -> tuple[Array, Array]:
+        """Lower and upper limits (n,), infinite where there are none."""
+        if self.name == "position":
+            return robot.position_limits[:, 0], robot.position_limits[:, 1]
+        limit = robot.velocity_limits if self.name == "velocity" else robot.acceleration_limits
+        return -limit, limit
+
+
+_KINDS = (
+    _Kind("position", "is at", "", "make the motion smaller"),
+    _Kind("velocity", "moves at", "/s", "slow the motion down"),
+    _Kind("acceleration", "accelerates at", "/s^2", "slow the motion down"),
+)
+
+
+def _largest_excess(value: Array, lo: Array, hi: Array) -> tuple[int, int] | None:
+    """Row and joint of the largest excess of the first joint that leaves its limits; value (k, n).
+
+    A motion up to the limit itself is fine, whatever rounding and spline make of it.
+    """
+    limits = np.stack([lo, hi])
     scale = np.max(np.where(np.isfinite(limits), np.abs(limits), 0.0), axis=0)
+    excess = np.maximum(lo - value, value - hi)
     over = excess > 1e-6 * scale
     if not over.any():
-        return
+        return None
     j = int(np.flatnonzero(over[int(np.argmax(over.any(axis=1)))])[0])
-    k = int(np.argmax(excess[:, j]))
-    unit = "rad" if robot.joint_types[j] == "revolute" else "m"
-    verb = "is at"
-    if what == "velocity":
-        unit += "/s"
-        verb = "moves at"
-    remedy = "slow the motion down" if what == "velocity" else "make the motion smaller"
-    raise ValueRangeError(
-        f'trajectory: joint "{robot.joint_names[j]}" {verb} {value[k, j]:.6g} {unit} at '
-        f"t = {t[k]:.6g} s; its {what} must stay in "
-        f"[{limits[0][j]:.6g}, {limits[1][j]:.6g}] {unit}; {remedy}"
+    return int(np.argmax(excess[:, j])), j
+
+
+def _refusal(
+    robot: Robot, name: str, j: int, value: float, kind: _Kind, where: str, remedy: str
+) -> ValueRangeError:
+    unit = ("rad" if robot.joint_types[j] == "revolute" else "m") + kind.per
+    lo, hi = kind.limits(robot)
+    return ValueRangeError(
+        f'{name}: joint "{robot.joint_names[j]}" {kind.verb} {value:.6g} {unit}{where}; its '
+        f"{kind.name} must stay in [{lo[j]:.6g}, {hi[j]:.6g}] {unit}; {remedy}"
     )
 
 

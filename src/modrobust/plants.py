@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from difflib import get_close_matches
 from importlib import import_module
 from typing import Any, Protocol
 
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 
 from modrobust.describe import mjcf_text, urdf_text
 from modrobust.errors import MissingExtraError, ValueRangeError
+from modrobust.names import did_you_mean
 from modrobust.robot import Parameters, Robot
 
 Array = NDArray[np.float64]
@@ -273,9 +273,8 @@ def check_plant(name: str) -> None:
         ValueRangeError: No plant of that name.
         MissingExtraError: The message names the extra.
     """
-    if name not in PLANTS:
-        close = get_close_matches(str(name), PLANTS, 1)
-        hint = f'did you mean "{close[0]}"? ' if close else ""
+    if not isinstance(name, str) or name not in PLANTS:
+        hint = did_you_mean(name, PLANTS)
         raise ValueRangeError(f'plant: no plant "{name}"; {hint}known: {", ".join(PLANTS)}')
     if name != BUILTIN:
         engine(name, name, f'plant "{name}"')

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust import _kernel
+from modrobust.arguments import as_integer
 from modrobust.dh import DHTable, dh_table
 from modrobust.errors import ValueRangeError
 from modrobust.parameters import Bounded, Parameters, freeze
@@ -73,10 +74,16 @@ class Robot:
     modules: tuple[ModuleNode, ...] = ()
     followers: Followers = field(default_factory=Followers)
     version: int = 1
+    # (n,) [rad/s^2] or [m/s^2], infinite where not given; left out by to_dict
+    acceleration_limits: Array = field(default_factory=lambda: np.zeros(0))
+    scenario_notes: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if not self.acceleration_limits.size:
+            object.__setattr__(self, "acceleration_limits", np.full(self.n, np.inf))
         freeze(self)
-        object.__setattr__(self, "scenarios", MappingProxyType(dict(self.scenarios)))
+        for name in ("scenarios", "scenario_notes"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         self._check()
 
     def _check(self) -> None:
@@ -93,6 +100,7 @@ class Robot:
                 "position_limits": (self.position_limits, (n, 2)),
                 "velocity_limits": (self.velocity_limits, (n,)),
                 "effort_limits": (self.effort_limits, (n,)),
+                "acceleration_limits": (self.acceleration_limits, (n,)),
                 "gear_ratio": (self.gear_ratio, (j,)),
                 "coulomb_speed": (self.coulomb_speed, (j,)),
                 "body_joints": (self.body_joints, (b,)),
@@ -177,7 +185,7 @@ class Robot:
         Args:
             rng: A numpy Generator, or an int that seeds one.
         """
-        return sample_point(self.nominal, self.lower, self.upper, np.random.default_rng(rng))
+        return sample_point(self.nominal, self.lower, self.upper, _generator(rng))
 
     def corner_parameters(self, rng: np.random.Generator | int) -> Parameters:
         """A vertex of the box, each entry lower or upper by a coin; perhaps not a physical one.
@@ -185,7 +193,7 @@ class Robot:
         Args:
             rng: A numpy Generator, or an int that seeds one.
         """
-        return corner_point(self.lower, self.upper, np.random.default_rng(rng))
+        return corner_point(self.lower, self.upper, _generator(rng))
 
     def physical_corner(
         self, which: str, rng: np.random.Generator | int = 0
@@ -279,6 +287,13 @@ class Robot:
     def _bounded(self, name: str, index: int) -> dict[str, Any]:
         points = (self.nominal, self.lower, self.upper)
         return _q(*(getattr(point, name)[index] for point in points))
+
+
+def _generator(rng: np.random.Generator | int) -> np.random.Generator:
+    """The generator itself, or one that the number seeds."""
+    if isinstance(rng, np.random.Generator):
+        return rng
+    return np.random.default_rng(as_integer("rng", rng, 0))
 
 
 def _q(nominal: Any, lo: Any, hi: Any) -> dict[str, Any]:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.formats import ListNode, Node, parse_quantity
-from modrobust.formats.structure import did_you_mean
 from modrobust.mounting import JointStep
+from modrobust.names import did_you_mean
 from modrobust.robot import Parameters
 
 Array = NDArray[np.float64]

@@ -11,22 +11,24 @@ classical Runge-Kutta method. See `modrobust.result` for what a run leaves.
 from __future__ import annotations
 
 import math
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
+from modrobust.arguments import as_integer, as_number
 from modrobust.arrays import as_array
 from modrobust.control import PerJoint, RobustController, settings_dict
 from modrobust.engine_loop import EngineLoop
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.metrics import plain
-from modrobust.motion_limits import check_duration, check_limits
+from modrobust.motion_limits import check_duration, check_limits, check_start
+from modrobust.names import did_you_mean
 from modrobust.plants import BUILTIN, check_plant, make_plant
 from modrobust.result import LOGGED, LoopStatistics, SimulationResult
 from modrobust.robot import Parameters, Robot
@@ -43,6 +45,7 @@ CONTROL_RATE = 50e3  # [Hz]
 MAX_CONTROL_RATE = 1e7  # [Hz]
 LOG_STEP = 1e-3  # [s]
 MAX_TICKS = 10**10
+MAX_SUBSTEPS = 10**6
 MAX_LOGGED = 10**6  # longer runs are logged more coarsely than every millisecond
 _CHUNK_SECONDS = 0.1  # of wall time, between two looks at the keyboard
 
@@ -66,12 +69,13 @@ class TrueRobot:
 def true_robot(
     robot: Robot,
     parameters: str | Parameters | None = None,
-    scenario: str | None = None,
+    scenario: str | int | None = None,
     seed: int = 0,
     disturbance: ArrayLike | None = None,
 ) -> TrueRobot:
     """Parameters and disturbance of the plant, see `simulate`."""
     if scenario is not None:
+        scenario = str(scenario)
         if parameters is not None:
             raise ValueRangeError(
                 f'parameters: given beside scenario "{scenario}", which sets them; give one of both'
@@ -81,7 +85,7 @@ def true_robot(
         parameters = robot.scenarios[scenario]
     if parameters is None:
         parameters = "random"
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(as_integer("seed", seed, 0))
     d = robot.disturbance
     drawn = d.nominal
     pulled: tuple[str, ...] = ()
@@ -92,6 +96,8 @@ def true_robot(
                 f"parameters: of {len(point.mass)} bodies and {len(point.viscous)} joints; robot "
                 f'"{robot.name}" has {len(robot.body_names)} and {robot.j}'
             )
+    elif not isinstance(parameters, str):
+        raise ValueRangeError(_unknown("parameters", parameters, PARAMETER_CHOICES))
     elif parameters == "nominal":
         point = robot.nominal
     elif parameters in ("lower", "upper"):
@@ -104,7 +110,7 @@ def true_robot(
         point = robot.sample_parameters(rng)
         drawn = d.lo + rng.random(robot.n) * (d.hi - d.lo)
     else:
-        raise ValueRangeError(_unknown("parameters", str(parameters), PARAMETER_CHOICES))
+        raise ValueRangeError(_unknown("parameters", parameters, PARAMETER_CHOICES))
     given = drawn if disturbance is None else _state("disturbance", disturbance, robot)
     lower, upper = robot.lower.packed, robot.upper.packed
     inside = bool(
@@ -117,7 +123,7 @@ def true_robot(
 def simulate(
     robot: Robot,
     *,
-    scenario: str | None = None,
+    scenario: str | int | None = None,
     parameters: str | Parameters | None = None,
     seed: int = 0,
     law: str | None = None,
@@ -149,7 +155,8 @@ def simulate(
         seed: Seeds ``"random"`` and ``"corner"``.
         law, bound, K_r, kappa_P, kappa_I, phi_P, phi_I, epsilon: See `RobustController`.
         trajectory: See `make_trajectory`; the description's own when None.
-        duration: Simulated time [s]; the trajectory's own when None, else 10 s.
+        duration: Simulated time [s]; the trajectory's own when None, else 10 s. The last command is
+            given at the last whole tick within it.
         control_rate: Commands a second [Hz]; each is held until the next.
         substeps: Runge-Kutta steps between two commands.
         plant: What moves as the true robot: ``"builtin"``, or another engine, ``"mujoco"`` or
@@ -167,6 +174,10 @@ def simulate(
         InputError: An argument is wrong; the subclass says how. Nothing was computed.
     """
     check_plant(plant)
+    scenario = None if scenario is None else str(scenario)
+    seed = as_integer("seed", seed, 0)
+    substeps = as_integer("substeps", substeps, 1, MAX_SUBSTEPS)
+    control_rate = as_number("control_rate", control_rate, "Hz")
     controller = RobustController(
         robot,
         law=law,
@@ -180,6 +191,7 @@ def simulate(
     )
     truth = true_robot(robot, parameters, scenario, seed, disturbance)
     if duration is not None:
+        duration = as_number("duration", duration, "s")
         check_duration(duration)
         _tick_count(duration, control_rate)
     motion = make_trajectory(robot, trajectory, duration)
@@ -188,14 +200,13 @@ def simulate(
     check_duration(duration, motion)
     check_limits(robot, motion, duration)
     ticks = _tick_count(duration, control_rate)
-    if substeps < 1:
-        raise ValueRangeError(f"substeps: {substeps}; must be at least 1")
     dt = 1.0 / control_rate
     log_every = max(1, round(LOG_STEP * control_rate), math.ceil(ticks / MAX_LOGGED))
     start = motion.sample([0.0])
     own = trajectory is None
     q_start = _start("q0", q0, robot.initial_q if own else None, start[0][0], robot)
     dq_start = _start("dq0", dq0, robot.initial_dq if own else None, start[1][0], robot)
+    check_start(robot, "q0" if q0 is not None else "initial.q", q_start)
     loop = _loop(plant, controller, truth, q_start, dq_start, dt, substeps)
     run = _Run(loop, motion, ticks, dt, log_every)
     run.advance(progress, duration)
@@ -303,7 +314,8 @@ def _tick_count(duration: float, control_rate: float) -> int:
         raise ValueRangeError(
             f"control_rate: {control_rate:g} Hz; must lie in [1, {MAX_CONTROL_RATE:g}] Hz"
         )
-    count = round(duration * control_rate)
+    # Whole ticks within the duration; rounding of the product makes none of them fall out.
+    count = math.floor(duration * control_rate * (1.0 + 4.0 * sys.float_info.epsilon))
     if count < 1:
         raise ValueRangeError(
             f"duration: {duration:g} s is less than one tick of {control_rate:g} Hz; make it longer"
@@ -313,7 +325,7 @@ def _tick_count(duration: float, control_rate: float) -> int:
             f"duration: {duration:g} s at {control_rate:g} Hz are {count:.3g} commands, more than "
             f"{MAX_TICKS:.0e}; make it shorter"
         )
-    return count + 1  # both ends: the last command is given at the duration itself
+    return count + 1  # both ends: the first command is given at 0
 
 
 def _start(
@@ -335,11 +347,9 @@ def _choice(parameters: str | Parameters | None, scenario: str | None) -> str:
     return "random" if parameters is None else parameters
 
 
-def _unknown(what: str, name: str, known: tuple[str, ...]) -> str:
-    close = get_close_matches(name, known, 1)
-    hint = f'did you mean "{close[0]}"? ' if close else ""
+def _unknown(what: str, name: object, known: tuple[str, ...]) -> str:
     listed = ", ".join(known) if known else "none, the description has no scenarios"
-    return f'{what}: no {what} "{name}"; {hint}known: {listed}'
+    return f'{what}: no {what} "{name}"; {did_you_mean(name, known)}known: {listed}'
 
 
 __all__ = ["PARAMETER_CHOICES", "SimulationResult", "TrueRobot", "simulate", "true_robot"]

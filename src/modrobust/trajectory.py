@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
+from reprlib import repr as short
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from modrobust.arguments import as_integer, as_number
 from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.names import did_you_mean
 from modrobust.robot import Robot
 from modrobust.spline import CubicSpline
 from modrobust.trajectory_file import read_trajectory_csv
@@ -27,11 +29,14 @@ Samples = tuple[Array, Array, Array]
 DEFAULT_DURATION = 10.0  # [s]
 # Peak of the derivative of 10 s^3 - 15 s^4 + 6 s^5 over s in [0, 1], at s = 1/2.
 QUINTIC_PEAK_RATE = 1.875
+# Peak of its second derivative, 10 / sqrt(3), at s = 1/2 -+ sqrt(3)/6.
+QUINTIC_PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
 # (13) of Giusti and Althoff 2017.
 PAPER_AMPLITUDE = tuple(math.pi / x for x in (2.0, -4.0, 6.0, -6.0, 4.0, -2.0))  # [rad]
 PAPER_OMEGA = (math.pi / 5.0, math.pi / 2.0)  # [rad/s]
 
 _SPECS = ("paper", "quintic")
+_KNOWN = "paper, quintic, FILE.csv, quintic:FILE.csv"
 
 
 class Trajectory(Protocol):
@@ -240,13 +245,21 @@ def paper_trajectory(robot: Robot) -> Sines:
 
 
 def default_trajectory(robot: Robot, duration: float = DEFAULT_DURATION, seed: int = 0) -> Quintic:
-    """Rest to rest through seeded waypoints, within position limits and half the velocity limits.
+    """Rest to rest through seeded waypoints, within position limits and half of the others.
 
     A waypoint about every 2.5 s, drawn from the middle 80 % of the position range, or from
     +-pi/2 rad (+-0.25 m) where there is none, and pulled towards the previous one until the peak
-    velocity is at most half the limit (0.5 rad/s, 0.1 m/s where there is none).
+    velocity is at most half the limit (0.5 rad/s, 0.1 m/s where there is none) and the peak
+    acceleration at most half its limit.
+
+    Raises:
+        ValueRangeError: ``duration`` is not positive and finite, or ``seed`` no whole number from
+            0.
     """
-    rng = np.random.default_rng(seed)
+    duration = as_number("duration", duration, "s")
+    if not (math.isfinite(duration) and duration > 0.0):
+        raise ValueRangeError(f"duration: {duration:g} s; must be positive and finite")
+    rng = np.random.default_rng(as_integer("seed", seed, 0))
     revolute = np.array([kind == "revolute" for kind in robot.joint_types[: robot.n]])
     half = np.where(revolute, math.pi / 2.0, 0.25)  # [rad], [m]
     lo, hi = robot.position_limits.T
@@ -260,7 +273,11 @@ def default_trajectory(robot: Robot, duration: float = DEFAULT_DURATION, seed: i
     speed = 0.5 * np.where(finite, robot.velocity_limits, np.where(revolute, 1.0, 0.2))
     segments = max(1, round(duration / 2.5))
     times = np.linspace(0.0, duration, segments + 1)
-    longest = speed * (duration / segments) / QUINTIC_PEAK_RATE
+    length = duration / segments
+    longest = np.minimum(
+        speed * length / QUINTIC_PEAK_RATE,
+        0.5 * robot.acceleration_limits * length**2 / QUINTIC_PEAK_ACCELERATION,
+    )
     points = [np.clip(np.zeros(robot.n), lo, hi)]
     for _ in range(segments):
         step = rng.uniform(lo, hi) - points[-1]
@@ -299,6 +316,11 @@ def _make(robot: Robot, spec: Trajectory | str | Path | None, duration: float) -
     if spec is None:
         return _from_settings(robot, duration)
     if not isinstance(spec, str | Path):
+        if not hasattr(spec, "sample"):
+            raise ValueRangeError(
+                f"trajectory: {short(spec)}; must be a trajectory, a name or a file; "
+                f"known: {_KNOWN}"
+            )
         return spec
     text = str(spec)
     if text == "paper":
@@ -308,11 +330,8 @@ def _make(robot: Robot, spec: Trajectory | str | Path | None, duration: float) -
     rest_to_rest = text.startswith("quintic:")
     file = text.removeprefix("quintic:")
     if not file.lower().endswith(".csv"):
-        close = get_close_matches(text, _SPECS, 1)
-        hint = f'did you mean "{close[0]}"? ' if close else ""
         raise ValueRangeError(
-            f'trajectory: no trajectory "{text}"; {hint}'
-            "known: paper, quintic, FILE.csv, quintic:FILE.csv"
+            f'trajectory: no trajectory "{text}"; {did_you_mean(text, _SPECS)}known: {_KNOWN}'
         )
     times, points = read_trajectory_csv(file, robot.joint_names)
     if rest_to_rest:

@@ -9,13 +9,13 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Sequence
-from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.errors import DescriptionError, FileError
+from modrobust.names import did_you_mean
 
 Array = NDArray[np.float64]
 
@@ -93,8 +93,7 @@ def _header(file: str | Path, line: int, names: list[str], joint_names: Sequence
     columns = names[1:]
     for name in columns:
         if name not in joint_names:
-            close = get_close_matches(name, joint_names, 1)
-            hint = f'did you mean "{close[0]}"? ' if close else ""
+            hint = did_you_mean(name, joint_names)
             raise DescriptionError(
                 file, line, "header", f'no joint "{name}"; {hint}known: {", ".join(joint_names)}'
             )

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from modrobust.errors import DescriptionError
 from modrobust.formats.overlay import UrdfSource
-from modrobust.formats.structure import did_you_mean
 from modrobust.formats.tolerance import Tolerances
+from modrobust.names import did_you_mean
 from modrobust.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.robot import ModuleNode
 from modrobust.urdf_confirm import confirm

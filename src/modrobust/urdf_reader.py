@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from modrobust.errors import DescriptionError
 from modrobust.formats import ScalarNode, Where
 from modrobust.formats.nodes import shown
-from modrobust.formats.structure import did_you_mean
+from modrobust.names import did_you_mean
 from modrobust.urdf_values import (
     MAX_NAME,
     Number,

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.formats import Node, ScalarNode, parse_quantity
-from modrobust.formats.structure import did_you_mean
 from modrobust.geometry import inverse, rotation_z, translation
+from modrobust.names import did_you_mean
 from modrobust.urdf_reader import Description, Joint
 
 Array = NDArray[np.float64]

@@ -60,6 +60,19 @@ def test_an_unknown_name_is_refused_with_the_names_that_exist(run) -> None:
     )
 
 
+def test_no_name_is_refused(run) -> None:
+    refused(
+        run,
+        "robot: an empty text; the name of a built-in robot or the path of a file is expected",
+        "assemble",
+        "",
+    )
+
+
+def test_a_line_break_in_a_file_name_is_shown_escaped(run) -> None:
+    refused(run, "a\\nb.yaml: no such file; check the path", "assemble", "a\nb.yaml")
+
+
 def test_a_directory_is_refused(run, tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").mkdir()
     refused(

@@ -52,6 +52,16 @@ def test_simulate_answers_1_when_epsilon_is_not_reached_and_says_so(run) -> None
     assert "violations of the bound            0 of 1001 ticks" in result.stdout
 
 
+def test_simulate_says_what_the_file_says_of_the_scenario(run) -> None:
+    text = " ".join(run(*SHORT).stdout.split())
+    assert "Scenario 1: Table II, scenario 1, an object of 0.7 kg in the hand" in text
+
+
+def test_schema_takes_json_as_every_command_does(run) -> None:
+    plain, asked = run("schema", "module"), run("schema", "module", "--json")
+    assert (asked.returncode, asked.stdout, asked.stderr) == (0, plain.stdout, "")
+
+
 def test_simulate_prints_json_and_saves_the_run(run, tmp_path: Path) -> None:
     result = run(*SHORT, "--bound", "ianea", "--log", "run.npz", "--json")
     figures = json.loads(result.stdout)
@@ -91,6 +101,8 @@ def test_modules_lists_the_catalogue_with_what_mates_to_what(run) -> None:
     modules = {module["module"]: module for module in json.loads(result.stdout)}
     assert sum(module["product"] for module in modules.values()) >= 30
     assert all(module["source"] for module in modules.values())
+    assert modules["hebi-link-x5-325"]["licence"]
+    assert None in [module["licence"] for module in modules.values()]
     assert "schunk-link-350" in modules["schunk-pb-large-1"]["mates"]
     assert "hebi-x5-1" not in modules["schunk-pb-large-1"]["mates"]
     table = run("modules").stdout

@@ -73,6 +73,7 @@ def _plain(module: Module, mounted: Sequence[str]) -> dict[str, Any]:
         "name": module.name,
         "product": module.product,
         "source": list(module.source),
+        "licence": module.licence,
         "joints": _joints(module),
         "in": _connector(module.connector_in),
         "out": _connector(module.connector_out),

@@ -15,6 +15,9 @@ Examples:
 
 def schema(
     kind: Annotated[Literal["module", "assembly"], typer.Argument(help="Which kind of file.")],
+    json: Annotated[
+        bool, typer.Option("--json", help="As on every command; it prints JSON anyway.")
+    ] = False,
 ) -> None:
     """Print the JSON Schema of module or assembly files, for editors."""
     from modrobust.cli.output import print_json

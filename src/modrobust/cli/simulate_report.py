@@ -19,6 +19,8 @@ def print_run(robot: Robot, result: SimulationResult) -> None:
     figures = result.summary()
     settings = figures["settings"]
     show(_headline(settings), style="bold")
+    remark = robot.scenario_notes.get(settings["scenario"])
+    show(*([] if remark is None else [f"Scenario {settings['scenario']}: {remark}."]))
     show(*_notes(settings), _figures(figures, settings))
     show("Largest torque, mean width of [Φ]", _joints(robot, figures))
     show(

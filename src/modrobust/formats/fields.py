@@ -26,7 +26,8 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from modrobust.errors import DescriptionError
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, kind_of, shown
-from modrobust.formats.structure import did_you_mean, unknown_key
+from modrobust.formats.structure import unknown_key
+from modrobust.names import did_you_mean
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,99}")
 

@@ -34,10 +34,9 @@ from modrobust.formats.part_models import (
     LinkOverlay,
     ToleranceModel,
 )
-from modrobust.formats.structure import did_you_mean
+from modrobust.names import did_you_mean
 
 ENTRY_KINDS = ("joint", "body", "frame", "module")
-SPAN_KINDS = ("dh", "giusti2015")
 
 
 class DhModel(Part):

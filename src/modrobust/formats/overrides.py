@@ -15,7 +15,7 @@ from modrobust.formats.models import (
 )
 from modrobust.formats.naming import instance_names_of
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, kind_of, shown
-from modrobust.formats.structure import did_you_mean
+from modrobust.names import did_you_mean
 
 _SETTABLE: dict[type, tuple[str, ...]] = {
     JointModel: ("limits", "drive", "friction"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from modrobust.formats.nodes import ListNode, MapNode, Node, shown
 from modrobust.formats.quantity import Quantity, parse_quantity
-from modrobust.formats.structure import did_you_mean
+from modrobust.names import did_you_mean
 
 # What a kind measures for (revolute, prismatic) joints.
 _DIMENSIONS = {

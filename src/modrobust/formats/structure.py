@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 
 from modrobust.formats.nodes import shown
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """``did you mean "x"? `` when a known name is close, else nothing."""
-    close = difflib.get_close_matches(name[:80], list(known), 1, 0.6)
-    return f'did you mean "{close[0]}"? ' if close else ""
+from modrobust.names import did_you_mean
 
 
 def unknown_key(key: str, known: Iterable[str]) -> str:
