@@ -365,7 +365,7 @@ def test_a_log_that_cannot_be_written_is_refused_and_nothing_is_left(
     [
         ({"scenario": "1"}, ValueRangeError, 'scenario: no scenario "1"; known: none'),
         ({"parameters": "uper"}, ValueRangeError, 'did you mean "upper"?'),
-        ({"duration": -1.0}, ValueRangeError, "duration: -1 s; must be positive and finite"),
+        ({"duration": -1.0}, ValueRangeError, "duration: -1 s; must be positive and finite; such as 10 s"),
         ({"duration": 1e-9}, ValueRangeError, "is less than one tick of 10000 Hz"),
         ({"duration": 1e9}, ValueRangeError, "make it shorter"),
         ({"control_rate": 0.0}, ValueRangeError, "control_rate: 0 Hz; must lie in"),

@@ -106,7 +106,9 @@ def _refusal(
 def check_duration(duration: float, trajectory: Trajectory | None = None) -> None:
     """Refuse a duration [s] that is not positive and finite, or beyond the motion's end."""
     if not (math.isfinite(duration) and duration > 0.0):
-        raise ValueRangeError(f"duration: {duration:g} s; must be positive and finite")
+        raise ValueRangeError(
+            f"duration: {duration:g} s; must be positive and finite; such as 10 s"
+        )
     if trajectory is not None and duration > trajectory.end * (1.0 + 1e-12):
         raise ValueRangeError(
             f"duration: {duration:g} s is longer than the motion, which ends at "

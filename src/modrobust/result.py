@@ -17,6 +17,7 @@ from modrobust.engine_loop import EngineLoop
 from modrobust.errors import ModrobustError
 from modrobust.files import replacing
 from modrobust.metrics import CHATTERING_LIMIT, chattering, plain, ratio, time_statistics
+from modrobust.remarks import remarks
 from modrobust.robot import ControllerSettings, Parameters, Robot
 
 Array = NDArray[np.float64]
@@ -163,6 +164,19 @@ class SimulationResult:
                 )
         return reasons
 
+    @cached_property
+    def chattering(self) -> Array | None:
+        """How much each torque shakes, (n,); see `modrobust.metrics.chattering`."""
+        return chattering(self.t, self.tau, self.total_variation)
+
+    @property
+    def remarks(self) -> list[str]:
+        """What the verdict does not judge, one sentence each: torques that shake, and positions
+        and velocities beyond their limits, which the controller does not know. Of the logged ticks.
+        """
+        duration = self.settings["duration"]
+        return remarks(self.robot, duration, self.t, self.q, self.dq, self.chattering)
+
     @property
     def ok(self) -> bool:
         """No violation, no divergence, epsilon entered for good, torques within their limits."""
@@ -175,7 +189,6 @@ class SimulationResult:
             (lambda x: x.mean(axis=0)) if len(self.t) else (lambda x: np.full(x.shape[1:], np.nan))
         )
         width_hull, width_ianea = mean(self.width_hull), mean(self.width_ianea)
-        noisy = chattering(self.t, self.tau, self.total_variation)
         figures = {
             "violations": 0 if s is None else s.violations,
             "violation_max": None if s is None else s.violation_max,
@@ -192,7 +205,7 @@ class SimulationResult:
             "width_hull": width_hull,
             "width_ianea": width_ianea,
             "width_ratio": ratio(width_ianea, width_hull),
-            "chattering": noisy,
+            "chattering": self.chattering,
             "chattering_limit": CHATTERING_LIMIT,
             "command_time": time_statistics(self.command_seconds),
             "ticks": 0 if s is None else s.ticks,
@@ -200,6 +213,7 @@ class SimulationResult:
             "interrupted": self.interrupted,
             "ok": self.ok,
             "reasons": self.reasons,
+            "remarks": self.remarks,
             "joints": list(self.robot.joint_names),
             "settings": self.settings,
         }

@@ -312,7 +312,8 @@ class _Run:
 def _tick_count(duration: float, control_rate: float) -> int:
     if not (math.isfinite(control_rate) and 1.0 <= control_rate <= MAX_CONTROL_RATE):
         raise ValueRangeError(
-            f"control_rate: {control_rate:g} Hz; must lie in [1, {MAX_CONTROL_RATE:g}] Hz"
+            f"control_rate: {control_rate:g} Hz; must lie in [1, {MAX_CONTROL_RATE:g}] Hz; "
+            f"the default is {CONTROL_RATE:g} Hz"
         )
     # Whole ticks within the duration; rounding of the product makes none of them fall out.
     count = math.floor(duration * control_rate * (1.0 + 4.0 * sys.float_info.epsilon))

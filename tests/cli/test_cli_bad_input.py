@@ -54,7 +54,7 @@ def test_a_missing_file_is_refused(run, command: str) -> None:
 def test_an_unknown_name_is_refused_with_the_names_that_exist(run) -> None:
     refused(
         run,
-        'lwa4p-papr: neither a file nor a built-in robot; did you mean "lwa4p-paper"? give a file or one of concert-wall, gantry, hebi-arm, lwa4p, lwa4p-paper, lwa4p-payload, pino-arm, scara, snake12',
+        'lwa4p-papr: neither a file nor a built-in robot; did you mean "lwa4p-paper"? give a file or one of baxter, concert-wall, gantry, hebi-arm, iiwa, lwa4p, lwa4p-paper, lwa4p-payload, panda, pino-arm, scara, snake12, tiago, ur5',
         "assemble",
         "lwa4p-papr",
     )
@@ -188,22 +188,33 @@ def test_a_wrong_module_is_refused_at_its_line(
 @pytest.mark.parametrize(
     ("option", "message"),
     [
-        ("--duration=-1", "duration: -1 s; must be positive and finite"),
-        ("--duration=-1 s", "duration: -1 s; must be positive and finite"),
-        ("--duration=0", "duration: 0 s; must be positive and finite"),
+        ("--duration=-1", "--duration: -1 s; must be positive and finite; such as 10 s"),
+        ("--duration=-1 s", "--duration: -1 s; must be positive and finite; such as 10 s"),
+        ("--duration=0", "--duration: 0 s; must be positive and finite; such as 10 s"),
         (
             "--duration=nan",
-            'duration: "nan" is not a number; numbers are finite; write a finite number',
+            '--duration: "nan" is not a number; numbers are finite; write a finite number',
         ),
         (
             "--duration=10 kg",
-            'duration: "10 kg" has the unit "kg"; a time [s] is expected; write it in s',
+            '--duration: "10 kg" has the unit "kg"; a time [s] is expected; write it in s',
         ),
-        ("--control-rate=nan", "control_rate: nan Hz; must lie in [1, 1e+07] Hz"),
-        ("--scenario=3", 'scenario: no scenario "3"; known: 1, 2'),
+        (
+            "--control-rate=nan",
+            '--control-rate: "nan" is no rate; write a number of Hz such as 5000 or 5kHz',
+        ),
+        (
+            "--control-rate=0",
+            "--control-rate: 0 Hz; must lie in [1, 1e+07] Hz; the default is 50000 Hz",
+        ),
+        (
+            "--duration=1e-9s",
+            "--duration: 1e-09 s is less than one tick of 50000 Hz; make it longer",
+        ),
+        ("--scenario=3", '--scenario: no scenario "3"; known: 1, 2'),
         (
             "--trajectory=quintc",
-            'trajectory: no trajectory "quintc"; did you mean "quintic"? known: paper, quintic, FILE.csv, quintic:FILE.csv',
+            '--trajectory: no trajectory "quintc"; did you mean "quintic"? known: paper, quintic, FILE.csv, quintic:FILE.csv',
         ),
         ("--trajectory=no.csv", "no.csv: no such file; give the path of a CSV file of t and q"),
         ("--log=run.txt", 'run.txt: suffix ".txt"; a log ends in .npz; name it so'),
@@ -212,6 +223,28 @@ def test_a_wrong_module_is_refused_at_its_line(
 )
 def test_a_wrong_option_is_refused(run, option: str, message: str) -> None:
     refused(run, message, "simulate", "lwa4p-paper", option)
+
+
+def test_a_seed_beside_a_scenario_is_refused(run) -> None:
+    message = '--seed: given beside scenario "1", which draws nothing; give one of both'
+    refused(run, message, *("simulate", "lwa4p-paper", "--scenario", "1", "--seed", "4"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["simulate", "a", "--bound", "hul"], "'--bound': 'hul' is not one of 'hull', 'ianea'."),
+        (["schema", "foo"], "'kind': 'foo' is not one of 'module', 'assembly'."),
+        (["simulate", "a", "--seed", "x"], "'--seed': must be a valid integer"),
+        (["bench", "--repeat", "0"], "'--repeat': must be greater than or equal to 1"),
+    ],
+)
+def test_a_value_that_is_not_allowed_is_refused_in_plain_words(
+    run, arguments: list[str], message: str
+) -> None:
+    result = run(*arguments)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr.splitlines()[-1] == f"Error: Invalid value for {message}"
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from modrobust.cli import assemble, bench, import_timor, modules, schema, simulate
+from modrobust.cli.options import PlainCommand
 
 app = typer.Typer(
     name="modrobust",
@@ -26,7 +27,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 for command in (assemble, simulate, bench, modules, schema, import_timor):
-    app.command(epilog=command.EXAMPLES)(command.command)
+    app.command(cls=PlainCommand, epilog=command.EXAMPLES)(command.command)
 
 
 def _print_version(wanted: bool) -> None:

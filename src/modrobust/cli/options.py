@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from typer.core import TyperCommand
 
 if TYPE_CHECKING:
     from modrobust.robot import Robot
@@ -41,13 +45,57 @@ Payload = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 
 
+_HERTZ = re.compile(r"\s*([0-9.]+(?:e[+-]?[0-9]+)?)\s*(Hz|kHz|MHz)?\s*", re.IGNORECASE)
+_SCALE = {"": 1.0, "hz": 1.0, "khz": 1e3, "mhz": 1e6}
+
+
+class PlainCommand(TyperCommand):
+    """A command whose refusals do not speak of the library that found them."""
+
+    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
+        try:
+            return super().parse_args(ctx, args)
+        except typer.BadParameter as refusal:
+            said = refusal.message.removeprefix("Value error, ")
+            refusal.message = re.sub(r"^Input should be(.*?)(, unable.*)?$", r"must be\1", said)
+            raise
+
+
 def seconds(text: str | None) -> float | None:
     """A duration such as ``10 s``, ``500 ms`` or ``10``, in seconds."""
     if text is None:
         return None
     from modrobust.formats import parse_quantity
 
-    return parse_quantity(text, "time", field="duration", bounds=False).nominal
+    return parse_quantity(text, "time", field="--duration", bounds=False).nominal
+
+
+def hertz(text: str) -> float:
+    """A rate such as ``5kHz``, ``3000`` or ``1e4 Hz``, in Hz."""
+    found = _HERTZ.fullmatch(text)
+    try:
+        return float((found or [])[1]) * _SCALE[((found or [])[2] or "").lower()]
+    except (IndexError, ValueError):
+        from modrobust.errors import ValueRangeError
+        from modrobust.formats.nodes import shown
+
+        raise ValueRangeError(
+            f"--control-rate: {shown(text)} is no rate; write a number of Hz such as 5000 or 5kHz"
+        ) from None
+
+
+@contextmanager
+def named_as_options(*names: str) -> Iterator[None]:
+    """Arguments at fault are named as the options that gave them."""
+    from modrobust.errors import ValueRangeError
+
+    try:
+        yield
+    except ValueRangeError as error:
+        name, colon, rest = str(error).partition(":")
+        if name not in names or type(error) is not ValueRangeError:
+            raise
+        raise ValueRangeError(f"--{name.replace('_', '-')}{colon}{rest}") from None
 
 
 def robot(

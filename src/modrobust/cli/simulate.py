@@ -15,6 +15,8 @@ from modrobust.cli.options import (
     RobotFile,
     Tip,
     Tolerance,
+    hertz,
+    named_as_options,
     robot,
     seconds,
 )
@@ -27,12 +29,18 @@ Examples:
   modrobust simulate lwa4p --parameters corner --seed 3 --duration 5s
   modrobust simulate ur5.urdf --tolerance "mass=5%,com=5mm,inertia=10%"
   modrobust simulate my-robot.yaml --trajectory motion.csv --log run.npz
-  modrobust simulate lwa4p-payload --plant mujoco --control-rate 3000 --video run.mp4
+  modrobust simulate lwa4p-payload --plant mujoco --control-rate 3kHz --video run.mp4
 
 \b
 Ctrl-C ends a run early: what was computed is shown and saved, the exit code is 130.
 The exit code is 1 when a bound is violated, the loop diverges, the tracking error does not
-stay below epsilon, or a torque exceeds its limit.
+stay below epsilon, or a torque exceeds its limit. Remarks at the end (a torque that shakes, a
+position or velocity beyond its limit) do not change it.
+
+\b
+Without --trajectory the motion is the file's own, else a default within the limits: rest to rest
+(quintic) through seeded waypoints, one about every 2.5 s, seed 0 whatever --seed says. The file's
+"initial:" state counts only with the file's own motion; other motions start on themselves.
 """
 
 
@@ -45,7 +53,9 @@ def simulate(
         Literal["nominal", "lower", "upper", "corner", "random"] | None,
         typer.Option(help="True parameters without a scenario. [default: random]"),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of corner and random.")] = 0,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Seed of corner and random. [default: 0]")
+    ] = None,
     bound: Annotated[
         Literal["hull", "ianea"] | None, typer.Option(help="Bound of the perturbation.")
     ] = None,
@@ -58,12 +68,17 @@ def simulate(
         typer.Option(
             metavar="WHAT",
             help="paper (13), quintic (seeded waypoints), FILE.csv (t and q, splined), or "
-            "quintic:FILE.csv (rest to rest through the rows). Default: the file's own.",
+            "quintic:FILE.csv (rest to rest through the rows). Default: the file's own, else "
+            "quintic.",
         ),
     ] = None,
     control_rate: Annotated[
-        float, typer.Option(metavar="HZ", help="Commands a second; each is held until the next.")
-    ] = 50e3,
+        str,
+        typer.Option(
+            metavar="HZ",
+            help="Commands a second, e.g. 5kHz or 5000; each is held until the next.",
+        ),
+    ] = "50kHz",
     plant: Plant = "builtin",
     video: Video = None,
     view: View = False,
@@ -78,26 +93,34 @@ def simulate(
     json: Json = False,
 ) -> None:
     """Simulate the closed loop of a robot whose true parameters the controller does not know."""
-    wanted = seconds(duration)
+    wanted, rate = seconds(duration), hertz(control_rate)
     from modrobust.cli.output import ProgressBar, note, print_json
+    from modrobust.errors import ValueRangeError
     from modrobust.result import check_writable
     from modrobust.simulation import simulate as run
 
+    if scenario is not None and seed is not None:
+        raise ValueRangeError(
+            f'--seed: given beside scenario "{scenario}", which draws nothing; give one of both'
+        )
     if log is not None:
         check_writable(log)
     check_pictures(video, view)
     arm = robot(file, base, tip, lock, tolerance, payload)
-    with ProgressBar(f"Simulating {arm.name}") as bar:
+    options = ["control_rate", "scenario", "parameters"]
+    options += ["duration"] if duration is not None else []  # else it is the file's
+    options += ["trajectory"] if trajectory is not None else []
+    with named_as_options(*options), ProgressBar(f"Simulating {arm.name}") as bar:
         result = run(
             arm,
             scenario=scenario,
             parameters=parameters,
-            seed=seed,
+            seed=seed or 0,
             bound=bound,
             law=law,
             duration=wanted,
             trajectory=trajectory,
-            control_rate=control_rate,
+            control_rate=rate,
             plant=plant,
             progress=lambda done, total: bar(done / total),
         )
@@ -108,7 +131,7 @@ def simulate(
     else:
         from modrobust.cli.simulate_report import print_run
 
-        print_run(arm, result)
+        print_run(arm, result, trajectory)
     if result.interrupted:
         note(f"{result.reasons[0]}; what was computed is kept{'' if log is None else f' in {log}'}")
         raise typer.Exit(130)

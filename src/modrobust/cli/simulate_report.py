@@ -14,14 +14,17 @@ if TYPE_CHECKING:
     from modrobust.robot import Robot
 
 
-def print_run(robot: Robot, result: SimulationResult) -> None:
-    """Print what the issue of a run is: bound, error, torques, widths, times, verdict."""
+def print_run(robot: Robot, result: SimulationResult, motion: str | None) -> None:
+    """Print what the issue of a run is: bound, error, torques, widths, times, verdict, remarks.
+
+    `motion` is what the command line said about it.
+    """
     figures = result.summary()
     settings = figures["settings"]
     show(_headline(settings), style="bold")
     remark = robot.scenario_notes.get(settings["scenario"])
     show(*([] if remark is None else [f"Scenario {settings['scenario']}: {remark}."]))
-    show(*_notes(settings), _figures(figures, settings))
+    show(_motion(robot, motion), *_notes(settings), _figures(figures, settings))
     show("Largest torque, mean width of [Φ]", _joints(robot, figures))
     show(
         "Time per command",
@@ -34,6 +37,16 @@ def print_run(robot: Robot, result: SimulationResult) -> None:
         show(
             "Good: bound kept, error within epsilon for good, torques within limits", style="green"
         )
+    opening = "Also" if reasons else "But"
+    show(*(f"{opening}: {remark}" for remark in figures["remarks"]), style="yellow")
+
+
+def _motion(robot: Robot, motion: str | None) -> str:
+    if motion is None and robot.trajectory is not None:
+        return f"Motion: the file's own, {robot.trajectory.kind}."
+    if motion in (None, "quintic"):
+        return "Motion: the default, quintic through seeded waypoints, seed 0."
+    return f"Motion: {'(13) of the paper' if motion == 'paper' else motion}."
 
 
 def _headline(settings: Mapping[str, Any]) -> str:
