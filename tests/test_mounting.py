@@ -1,11 +1,14 @@
 """Chains of modules: names, mating, compound modules, and what is refused."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from modrobust.assembly import load_robot
 from modrobust.catalogue import builtin_robots, catalogue, mates
 from modrobust.errors import DescriptionError, FileError
+from modrobust.formats.reader import read_description
 from small_modules import message
 
 
@@ -243,3 +246,19 @@ def test_built_in_robots_are_found_by_name():
     robots = builtin_robots()
     assert "lwa4p-paper" in robots
     assert all(path.is_file() for path in robots.values())
+
+
+def test_a_module_file_is_read_once_however_often_it_is_mounted(load, monkeypatch):
+    read = []
+
+    def counting(path):
+        read.append(Path(path).stem)
+        return read_description(path)
+
+    monkeypatch.setattr("modrobust.formats.module.read_description", counting)
+    robot = load(
+        "chain: [hinge, {module: hinge, set: {rotor.mass: 2 kg}}, hinge, "
+        "{module: hinge, set: {rotor.mass: 3 kg}}]\n"
+    )
+    assert robot.nominal.mass.tolist() == [1.0, 0.7, 1.0, 2.0, 1.0, 0.7, 1.0, 3.0]
+    assert read == ["hinge"]

@@ -21,9 +21,9 @@ from modrobust.formats import (
     Item,
     JointItem,
     Module,
+    ModuleFile,
     NestedItem,
     instance_names,
-    load_module,
 )
 from modrobust.geometry import rotation_z
 from modrobust.mating import RULE, clocking_problem, describe, mating_problem
@@ -94,6 +94,7 @@ class _Mounter:
         self._library = library
         self._instances: dict[str, list[str]] = {}  # by module id
         self._remarks: dict[tuple[str, str], list[str]] = {}  # (module id, text): instances
+        self._files: dict[Path, ModuleFile] = {}
         self._loaded: dict[Path, Module] = {}  # as their files say them
         self._count = 0
 
@@ -148,10 +149,12 @@ class _Mounter:
                 "nest fewer compound modules",
             )
         path = self._library.path(item.module, item.where, field)
+        if path not in self._files:  # reading is most of the time of assembling
+            self._files[path] = ModuleFile(path)
         if item.overrides:
-            return load_module(path, item.overrides)
-        if path not in self._loaded:  # reading is most of the time of assembling
-            self._loaded[path] = load_module(path)
+            return self._files[path].module(item.overrides)
+        if path not in self._loaded:
+            self._loaded[path] = self._files[path].module()
         return self._loaded[path]
 
     def _mount(

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 
 import pytest
+
+from modrobust.cli import main
 
 COMMANDS = ["assemble", "simulate", "bench", "modules", "schema", "import-timor"]
 
@@ -47,3 +50,14 @@ def test_schema_is_a_json_schema(run, kind: str) -> None:
     result = run("schema", kind)
     assert (result.returncode, result.stderr) == (0, "")
     jsonschema.Draft202012Validator.check_schema(json.loads(result.stdout))
+
+
+def test_what_slows_the_start_is_off_unless_the_user_has_set_it(monkeypatch) -> None:
+    monkeypatch.setattr("modrobust.cli._guarded", lambda: 0)
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
+    monkeypatch.setenv("PYDANTIC_DISABLE_PLUGINS", "")  # so that it is put back afterwards
+    monkeypatch.delenv("PYDANTIC_DISABLE_PLUGINS")
+    with pytest.raises(SystemExit):
+        main()
+    assert os.environ["OPENBLAS_NUM_THREADS"] == "2"
+    assert os.environ["PYDANTIC_DISABLE_PLUGINS"] == "__all__"

@@ -7,11 +7,20 @@ a bug in modrobust.
 
 from __future__ import annotations
 
+import os
 import sys
+
+# Before numpy and pydantic are imported; who sets them otherwise has their way.
+_QUICK_START = {
+    "OPENBLAS_NUM_THREADS": "1",  # no product here is large enough for a second thread
+    "PYDANTIC_DISABLE_PLUGINS": "__all__",  # else it searches every installed package for some
+}
 
 
 def main() -> None:
     """Run the command line; what modrobust raises on purpose ends as one line on stderr."""
+    for name, value in _QUICK_START.items():
+        os.environ.setdefault(name, value)
     try:
         code = _guarded()
     except KeyboardInterrupt:  # the commands handle their own; this one came while they load

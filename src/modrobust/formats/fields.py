@@ -7,7 +7,7 @@ Every refusal is a `Refusal` that carries its place; `check` turns the first one
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
@@ -16,10 +16,8 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     ModelWrapValidatorHandler,
-    PlainValidator,
     PrivateAttr,
     ValidationError,
-    WithJsonSchema,
     model_validator,
 )
 from pydantic_core import PydanticCustomError, core_schema
@@ -131,10 +129,6 @@ def _entries(node: Node) -> dict[str, Node]:
     return dict(node.entries)
 
 
-def _node(value: Any) -> Any:
-    return value
-
-
 @dataclass(frozen=True)
 class Choice:
     """Marks a text field that takes one of a few words."""
@@ -201,19 +195,39 @@ _TEXTS_SCHEMA = {"anyOf": [_TEXT, {"type": "array", "items": _TEXT}]}
 _NAME_SCHEMA = {"type": ["string", "integer"], "pattern": f"^{_NAME.pattern}$"}
 
 
-Text = Annotated[str, BeforeValidator(_text), WithJsonSchema(_TEXT)]
-Texts = Annotated[tuple[str, ...], BeforeValidator(_texts), WithJsonSchema(_TEXTS_SCHEMA)]
-Name = Annotated[str, BeforeValidator(_name), WithJsonSchema(_NAME_SCHEMA)]
-Flag = Annotated[bool, BeforeValidator(_flag), WithJsonSchema({"enum": [True, False]})]
-Version = Annotated[int, BeforeValidator(_version), WithJsonSchema({"enum": [1, "1"]})]
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """Marks a field whose node `check` reads, or that stays a node; `schema` is for editors.
+
+    What is annotated with it is not looked at by pydantic: for each of the many fields that are
+    nodes, pydantic would build the schema of all kinds of nodes.
+    """
+
+    schema: Mapping[str, Any]
+    check: Callable[[Node], Any] | None = None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        if self.check is None:
+            return core_schema.any_schema()
+        return core_schema.no_info_plain_validator_function(self.check)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        return {**self.schema}
+
+
+Text = Annotated[str, Taken(_TEXT, _text)]
+Texts = Annotated[tuple[str, ...], Taken(_TEXTS_SCHEMA, _texts)]
+Name = Annotated[str, Taken(_NAME_SCHEMA, _name)]
+Flag = Annotated[bool, Taken({"enum": [True, False]}, _flag)]
+Version = Annotated[int, Taken({"enum": [1, "1"]}, _version)]
 # The numbers stay nodes: their unit depends on the neighbours, the resolution reads them.
-Value = Annotated[Node, PlainValidator(_node), WithJsonSchema(QUANTITY_SCHEMA)]
-Point = Annotated[Node, PlainValidator(_node), WithJsonSchema(_NUMBER)]
-Pair = Annotated[Node, PlainValidator(_node), WithJsonSchema(_POINT_LIST)]
-Vector = Annotated[Node, PlainValidator(_node), WithJsonSchema(_VECTOR_SCHEMA)]
-Points = Annotated[Node, PlainValidator(_node), WithJsonSchema(_POINTS_SCHEMA)]
-PerJointValue = Annotated[Node, PlainValidator(_node), WithJsonSchema(_PER_JOINT_SCHEMA)]
-Anything = Annotated[Node, PlainValidator(_node), WithJsonSchema({})]
+Value = Annotated[Node, Taken(QUANTITY_SCHEMA)]
+Point = Annotated[Node, Taken(_NUMBER)]
+Pair = Annotated[Node, Taken(_POINT_LIST)]
+Vector = Annotated[Node, Taken(_VECTOR_SCHEMA)]
+Points = Annotated[Node, Taken(_POINTS_SCHEMA)]
+PerJointValue = Annotated[Node, Taken(_PER_JOINT_SCHEMA)]
+Anything = Annotated[Node, Taken({})]
 as_list = BeforeValidator(_items)
 as_dict = BeforeValidator(_entries)
 

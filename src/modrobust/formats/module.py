@@ -45,15 +45,32 @@ def load_module(path: str | Path, overrides: Mapping[str, Node] | None = None) -
         FileError: The file cannot be read.
         DescriptionError: The file, or an override, says something that it must not.
     """
-    root = read_description(path)
-    check_kind(root, "module", "robot", "an assembly file", "a module")
-    fields = ModuleFields(root)
-    model = check(ModuleModel, root, fields.name)
-    check_stem(root.entries["module"], model.module, path, "module")
-    if overrides:
-        root = overridden(root, model, overrides)
-        model = check(ModuleModel, root, ModuleFields(root).name)
-    return _resolve(model)
+    return ModuleFile(path).module(overrides)
+
+
+class ModuleFile:
+    """A module file, read once, for a module that is mounted with and without ``set:``.
+
+    Args:
+        path: The module file.
+
+    Raises:
+        FileError: The file cannot be read.
+        DescriptionError: The structure of the file is at fault.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self._root = read_description(path)
+        check_kind(self._root, "module", "robot", "an assembly file", "a module")
+        self._model = check(ModuleModel, self._root, ModuleFields(self._root).name)
+        check_stem(self._root.entries["module"], self._model.module, path, "module")
+
+    def module(self, overrides: Mapping[str, Node] | None = None) -> Module:
+        """The module in SI units, see `load_module`."""
+        if not overrides:
+            return _resolve(self._model)
+        root = overridden(self._root, self._model, overrides)
+        return _resolve(check(ModuleModel, root, ModuleFields(root).name))
 
 
 def check_kind(root: MapNode, own: str, other: str, found: str, wanted: str) -> None:
