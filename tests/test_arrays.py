@@ -25,7 +25,18 @@ ZERO = np.zeros(3)
         ([], 'q: expected shape (3,), got (0,); robot "arm3" has 3 joints'),
         ([0.0, np.nan, 0.0], "q[1] is nan; every entry must be finite"),
         ([0.0, 0.0, -np.inf], "q[2] is -inf; every entry must be finite"),
-        ("abc", "q: could not convert string to float: 'abc'; expected 3 numbers"),
+        ("abc", "q: holds text; expected 3 numbers"),
+        (["1", "2", "3"], "q: holds text; expected 3 numbers"),
+        ([True, False, True], "q: holds truth values; expected 3 numbers"),
+        ([0j, 0.0, 0.0], "q: holds complex entries; expected 3 numbers"),
+        (np.zeros(3, "M8[s]"), "q: holds dates; expected 3 numbers"),
+        (np.zeros(3, "m8[s]"), "q: holds spans of time; expected 3 numbers"),
+        ([0.0, None, 0.0], "q: holds None; expected 3 numbers"),
+        ([0.0, {}, 0.0], "q: holds {}; expected 3 numbers"),
+        (
+            np.ma.masked_array([0.0, 0.0, 0.0], [0, 1, 0]),
+            "q: is a masked array; expected 3 numbers; fill it",
+        ),
     ],
 )
 def test_a_wrong_vector_is_refused_in_these_words(q: Any, message: str) -> None:

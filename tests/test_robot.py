@@ -1,12 +1,16 @@
 """Robot and Parameters: immutable, exact through JSON, points of the box inside and physical."""
 
+import copy
 import json
 import math
+import pickle
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+import modrobust as mr
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.physical import is_physical, least_second_moment
 from modrobust.robot import Bounded, Parameters, Robot
@@ -282,3 +286,43 @@ def test_a_seed_that_is_none_is_refused(draw, rng, message):
     with pytest.raises(ValueRangeError) as caught:
         getattr(synthetic_chain(1), draw)(rng)
     assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
+@pytest.mark.parametrize("name", ["lwa4p-paper", "lwa4p-payload"])
+def test_a_copied_robot_is_the_same_and_as_read_only(name: str, copied: Any) -> None:
+    robot = mr.load_robot(name)
+    q = np.linspace(0.1, 0.6, robot.n)
+    tau = mr.inverse_dynamics(robot, q, q, q, q)  # what is cached before is not copied
+    twin = copied(robot)
+    assert twin.to_dict() == robot.to_dict()
+    assert dict(twin.scenario_notes) == dict(robot.scenario_notes)
+    for scenario, point in robot.scenarios.items():
+        np.testing.assert_array_equal(twin.scenarios[scenario].packed, point.packed)
+    np.testing.assert_array_equal(mr.inverse_dynamics(twin, q, q, q, q), tau)
+    for array in (twin.before, twin.nominal.mass, twin.disturbance.lo, twin.followers.offset):
+        assert not array.flags.writeable
+    with pytest.raises(TypeError):
+        twin.scenarios["x"] = robot.nominal
+
+
+def test_a_robot_shows_itself_in_one_line() -> None:
+    assert repr(mr.load_robot("lwa4p-paper")) == '<Robot "lwa4p-paper": 6 joints, 6 bodies>'
+
+
+def test_what_is_no_robot_is_refused_with_how_to_make_one() -> None:
+    zero = np.zeros(3)
+    for call in (
+        lambda x: mr.inverse_dynamics(x, zero, zero, zero, zero),
+        lambda x: mr.mass_matrix(x, zero),
+        lambda x: mr.simulate(x),
+        lambda x: mr.RobustController(x),
+    ):
+        with pytest.raises(ValueRangeError) as caught:
+            call("arm.yaml")
+        assert str(caught.value) == "robot: expected a Robot, got str; load_robot(...) makes one"
+    with pytest.raises(ValueRangeError) as caught:
+        mr.load_robot(None)  # type: ignore[arg-type]
+    assert str(caught.value) == (
+        "robot: None; the name of a built-in robot or the path of a file is expected"
+    )

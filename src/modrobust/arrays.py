@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+from numbers import Real
+from reprlib import repr as short
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust.errors import ShapeError, ValueRangeError
 
 Array = NDArray[np.float64]
+
+_KINDS = {
+    "b": "truth values",
+    "c": "complex entries",
+    "U": "text",
+    "S": "text",
+    "M": "dates",
+    "m": "spans of time",
+}
 
 
 def as_array(name: str, value: ArrayLike, shape: tuple[int, ...], owner: str) -> Array:
@@ -21,14 +33,9 @@ def as_array(name: str, value: ArrayLike, shape: tuple[int, ...], owner: str) ->
 
     Raises:
         ShapeError: The shape differs.
-        ValueRangeError: An entry is not a number, or not finite.
+        ValueRangeError: An entry is not a real number, or not finite; see `as_real`.
     """
-    try:
-        if np.iscomplexobj(value):
-            raise ValueRangeError(f"{name}: has complex entries; expected {_words(shape)} numbers")
-        array = np.ascontiguousarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as problem:
-        raise ValueRangeError(f"{name}: {problem}; expected {_words(shape)} numbers") from None
+    array = np.ascontiguousarray(as_real(name, value, f"{_words(shape)} numbers"))
     if np.ndim(value) == 0 and shape:  # ascontiguousarray makes it one-dimensional
         raise ShapeError(f"{name}: expected shape {shape}, got a single number; {owner}")
     if array.shape != shape:
@@ -39,6 +46,28 @@ def as_array(name: str, value: ArrayLike, shape: tuple[int, ...], owner: str) ->
         index = "".join(f"[{k}]" for k in where)
         raise ValueRangeError(f"{name}{index} is {array[where]}; every entry must be finite")
     return array
+
+
+def as_real(name: str, value: ArrayLike, expected: str) -> Array:
+    """A float64 array of any shape, from real numbers and nothing that merely passes for them.
+
+    Raises:
+        ValueRangeError: Truth values, texts, dates, complex numbers, other objects, masked arrays
+            or lists of different lengths.
+    """
+    if isinstance(value, np.ma.MaskedArray):
+        raise ValueRangeError(f"{name}: is a masked array; expected {expected}; fill it")
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind in "iuf":
+            return array.astype(np.float64, copy=False)
+    except (TypeError, ValueError) as problem:
+        raise ValueRangeError(f"{name}: {problem}; expected {expected}") from None
+    found = _KINDS.get(array.dtype.kind)
+    if found is None:  # objects: the first that is no number tells most
+        odd = (item for item in array.flat if isinstance(item, bool) or not isinstance(item, Real))
+        found = short(next(odd, "numbers that are no floats"))
+    raise ValueRangeError(f"{name}: holds {found}; expected {expected}")
 
 
 def _words(shape: tuple[int, ...]) -> str:

@@ -16,7 +16,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
+from os import PathLike
 from pathlib import Path
+from reprlib import repr as short
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +74,11 @@ def load_robot(
 
 
 def _file_of(path_or_name: str | Path) -> Path:
+    if not isinstance(path_or_name, str | PathLike):
+        raise ValueRangeError(
+            f"robot: {short(path_or_name)}; the name of a built-in robot or the path of a file is "
+            "expected"
+        )
     path = Path(path_or_name)
     # Only a bare word is a name: "arm.yaml" or "robots/arm" stay files, found or not.
     if path.is_file() or path.suffix or len(path.parts) != 1:

@@ -22,11 +22,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
 from modrobust.arguments import as_number
-from modrobust.arrays import as_array
+from modrobust.arrays import as_array, as_real
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import METHODS, status_error
 from modrobust.names import did_you_mean
-from modrobust.robot import ControllerSettings, Robot
+from modrobust.robot import ControllerSettings, Robot, check_robot
 
 Array = NDArray[np.float64]
 
@@ -96,6 +96,7 @@ class RobustController:
         phi_I: float | None = None,
         epsilon: float | None = None,
     ) -> None:
+        check_robot(robot)
         own = robot.controller
 
         def gain(name: str, value: float | None) -> float:
@@ -236,12 +237,7 @@ def _per_joint(name: str, robot: Robot, value: PerJoint) -> tuple[float, ...]:
                 f"{name}: nothing for {', '.join(missing)}; every joint needs a value"
             )
         value = [value[joint] for joint in robot.joint_names]
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueRangeError(
-            f"{name}: {value!r}; must be a number, one number a joint, or a mapping by joint name"
-        ) from None
+    array = as_real(name, value, "a number, one number a joint, or a mapping by joint name")
     if array.ndim == 0:
         array = np.full(robot.n, float(array))
     if array.shape != (robot.n,):

@@ -15,7 +15,7 @@ from modrobust import _kernel
 from modrobust.arrays import as_array
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import method_code, status_error
-from modrobust.robot import Parameters, Robot
+from modrobust.robot import Parameters, Robot, check_robot
 
 Array = NDArray[np.float64]
 
@@ -226,6 +226,7 @@ def forward_kinematics(robot: Robot, q: ArrayLike) -> Array:
 
 
 def _vectors(robot: Robot, **named: ArrayLike) -> list[Array]:
+    check_robot(robot)
     owner = f'robot "{robot.name}" has {robot.n} joints'
     return [as_array(name, value, (robot.n,), owner) for name, value in named.items()]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,17 @@ def freeze(instance: object) -> None:
             object.__setattr__(instance, item.name, copy)
 
 
+def remade(instance: object) -> tuple[type, tuple[object, ...]]:
+    """What pickle and copy make a frozen dataclass from again: its type and its fields.
+
+    So that a copy is checked and read-only too, and holds nothing that was only cached.
+    """
+    values = (getattr(instance, item.name) for item in fields(instance))  # type: ignore[arg-type]
+    return type(instance), tuple(
+        dict(value) if isinstance(value, MappingProxyType) else value for value in values
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Bounded:
     """A nominal value with hard closed bounds, arrays of one shape."""
@@ -32,6 +44,8 @@ class Bounded:
     nominal: Array
     lo: Array
     hi: Array
+
+    __reduce__ = remade
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -57,6 +71,8 @@ class Parameters:
     rotor_inertia: Array
     viscous: Array
     coulomb: Array
+
+    __reduce__ = remade
 
     def __post_init__(self) -> None:
         b, n = np.size(self.mass), np.size(self.rotor_inertia)

@@ -19,7 +19,7 @@ from modrobust import _kernel
 from modrobust.arguments import as_integer
 from modrobust.dh import DHTable, dh_table
 from modrobust.errors import ValueRangeError
-from modrobust.parameters import Bounded, Parameters, freeze
+from modrobust.parameters import Bounded, Parameters, freeze, remade
 from modrobust.robot_checks import check_box, check_lengths, check_rigid, check_tree
 from modrobust.robot_parts import ControllerSettings, Followers, ModuleNode, TrajectorySettings
 from modrobust.sampling import corner_point, physical_pull, sample_point
@@ -32,6 +32,7 @@ __all__ = [
     "Parameters",
     "Robot",
     "TrajectorySettings",
+    "check_robot",
 ]
 
 Array = NDArray[np.float64]
@@ -77,6 +78,11 @@ class Robot:
     # (n,) [rad/s^2] or [m/s^2], infinite where not given; left out by to_dict
     acceleration_limits: Array = field(default_factory=lambda: np.zeros(0))
     scenario_notes: Mapping[str, str] = field(default_factory=dict)
+
+    __reduce__ = remade
+
+    def __repr__(self) -> str:
+        return f'<Robot "{self.name}": {self.n} joints, {self.b} bodies>'
 
     def __post_init__(self) -> None:
         if not self.acceleration_limits.size:
@@ -287,6 +293,17 @@ class Robot:
     def _bounded(self, name: str, index: int) -> dict[str, Any]:
         points = (self.nominal, self.lower, self.upper)
         return _q(*(getattr(point, name)[index] for point in points))
+
+
+def check_robot(robot: object) -> None:
+    """Refuse what is no robot, such as the name of one, before an attribute of it is missed.
+
+    Raises:
+        ValueRangeError: It is no `Robot`.
+    """
+    if not isinstance(robot, Robot):
+        found = type(robot).__name__
+        raise ValueRangeError(f"robot: expected a Robot, got {found}; load_robot(...) makes one")
 
 
 def _generator(rng: np.random.Generator | int) -> np.random.Generator:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust.parameters import freeze
+from modrobust.parameters import freeze, remade
 
 Array = NDArray[np.float64]
 
@@ -71,6 +71,8 @@ class Followers:
     leaders: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
     multiplier: Array = field(default_factory=lambda: np.zeros(0))
     offset: Array = field(default_factory=lambda: np.zeros(0))  # [rad] or [m]
+
+    __reduce__ = remade
 
     def __post_init__(self) -> None:
         freeze(self)

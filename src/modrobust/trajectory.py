@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust.arguments import as_integer, as_number
+from modrobust.arrays import as_real
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.names import did_you_mean
 from modrobust.robot import Robot
@@ -354,11 +355,11 @@ def _from_settings(robot: Robot, duration: float) -> Trajectory:
 
 
 def _instants(t: ArrayLike) -> Array:
-    return np.atleast_1d(np.asarray(t, dtype=np.float64))
+    return np.atleast_1d(as_real("t", t, "instants [s]"))
 
 
 def _vector(name: str, value: ArrayLike) -> Array:
-    array = np.asarray(value, dtype=np.float64)
+    array = as_real(f"trajectory {name}", value, "a list of numbers")
     if array.ndim != 1 or array.size == 0:
         raise ShapeError(f"trajectory {name}: expected a list of numbers, got shape {array.shape}")
     if not np.isfinite(array).all():
@@ -368,7 +369,7 @@ def _vector(name: str, value: ArrayLike) -> Array:
 
 def _rows(times: ArrayLike, points: ArrayLike) -> tuple[Array, Array]:
     t = _vector("times", times)
-    q = np.array(points, dtype=np.float64)
+    q = np.array(as_real("trajectory points", points, f"shape ({len(t)}, n)"))
     if q.ndim != 2 or len(q) != len(t) or q.shape[1] == 0:
         raise ShapeError(f"trajectory points: expected shape ({len(t)}, n), got {q.shape}")
     if not np.isfinite(q).all():
