@@ -156,6 +156,7 @@ def tied(robot: Robot, n: int, rng: np.random.Generator) -> Robot:
         position_limits=robot.position_limits[:n],
         velocity_limits=robot.velocity_limits[:n],
         effort_limits=robot.effort_limits[:n],
+        acceleration_limits=robot.acceleration_limits[:n],
         disturbance=Bounded(d.nominal[:n], d.lo[:n], d.hi[:n]),
         controller=ControllerSettings(K_r=(10.0,) * n),
         followers=Followers(

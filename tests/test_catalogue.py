@@ -15,16 +15,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-import modrobust as mr
 from modrobust.formats import BodyItem, JointItem, Module, NestedItem, Quantity, load_module
 from modrobust.robot import Robot
+from ready_robots import load_builtin
 
 ROOT = Path(__file__).resolve().parents[1]
 MODULES = sorted(path.stem for path in (ROOT / "modules").glob("*.yaml"))
 ROBOTS = sorted(path.stem for path in (ROOT / "assemblies").glob("*.yaml"))
-FIGURES: dict[str, Any] = json.loads(
-    (Path(__file__).parent / "data" / "module_figures.json").read_text()
-)
+FROM_MODULES = [
+    name for name in ROBOTS if "\nurdf:" not in (ROOT / "assemblies" / f"{name}.yaml").read_text()
+]
+FIGURES_FILE = ROOT / "tests" / "data" / "module_figures.json"
+FIGURES: dict[str, Any] = json.loads(FIGURES_FILE.read_text())
 REAL = sorted(set(FIGURES) - {"about"})
 FAMILIES = ("schunk-", "tum-", "iit-pino-", "iit-concert-", "hebi-")
 
@@ -36,7 +38,7 @@ def module(name: str) -> Module:
 
 @cache
 def robot(name: str) -> Robot:
-    return mr.load_robot(ROOT / "assemblies" / f"{name}.yaml")
+    return load_builtin(name)
 
 
 def bodies(name: str) -> list[BodyItem]:
@@ -66,8 +68,10 @@ def test_every_module_loads_is_named_like_its_file_and_has_a_source(name: str) -
     loaded = module(name)
     assert loaded.id == name
     assert loaded.source
-    assert all(len(text) > 10 for text in loaded.source)
-    assert not loaded.unused_tolerances
+    short = [text for text in loaded.source if len(text) <= 10]
+    assert not short, f"modules/{name}.yaml: source {short} says too little; name the document"
+    unused = ", ".join(loaded.unused_tolerances)
+    assert not unused, f"modules/{name}.yaml: tolerance {unused} acts on nothing; remove it"
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -77,7 +81,10 @@ def test_every_robot_loads_and_is_named_like_its_file(name: str) -> None:
 
 def test_at_least_thirty_real_modules_from_three_families() -> None:
     real = [name for name in MODULES if module(name).product]
-    assert real == REAL  # so that figures are checked for each of them
+    twice = f"write its figures a second time, into {FIGURES_FILE.relative_to(ROOT)}"
+    missing, gone = sorted(set(real) - set(REAL)), sorted(set(REAL) - set(real))
+    assert not missing, f"{missing}: a real module without figures to check it by; {twice}"
+    assert not gone, f"{gone}: figures without a real module; remove them from {FIGURES_FILE.name}"
     assert len(real) >= 30
     assert sum(any(name.startswith(family) for name in real) for family in FAMILIES) >= 3
 
@@ -99,7 +106,7 @@ def test_modules_with_impossible_or_copied_figures_are_left_out(name: str) -> No
 def test_masses_coms_and_inertias_are_those_of_the_source(name: str) -> None:
     figures = sorted(FIGURES[name]["bodies"], key=lambda body: -body[0])
     found = bodies(name)
-    assert len(found) == len(figures)
+    assert len(found) == len(figures), f"modules/{name}.yaml and {FIGURES_FILE.name} differ"
     for body, (mass, com, inertia) in zip(found, figures, strict=True):
         assert body.mass.nominal == pytest.approx(mass, rel=1e-12)
         assert [c.nominal for c in body.com] == pytest.approx(com, rel=1e-12, abs=1e-15)
@@ -119,7 +126,7 @@ def test_nominal_inertias_are_physical(name: str) -> None:
 def test_limits_and_drives_are_those_of_the_source(name: str) -> None:
     figures = FIGURES[name]["joints"]
     found = joints(name)
-    assert len(found) == len(figures)
+    assert len(found) == len(figures), f"modules/{name}.yaml and {FIGURES_FILE.name} differ"
     for joint, figure in zip(found, figures, strict=True):
         assert joint.type == "revolute"
         position = figure["position"]
@@ -157,9 +164,15 @@ def test_bodies_of_the_bracket_sit_halfway_to_its_output() -> None:
 @pytest.mark.parametrize("name", REAL)
 def test_every_mass_of_a_real_module_has_bounds(name: str) -> None:
     for body in bodies(name):
-        assert body.mass.lo < body.mass.hi
+        assert body.mass.lo < body.mass.hi, (
+            f"modules/{name}.yaml: body {body.name}: its mass has no bound; write ± or tolerance:"
+        )
         assert body.mass.lo <= body.mass.nominal <= body.mass.hi
-    assert all(q.bounded for item in module(name).items for q in quantities(item))
+    exact = [item.name for item in module(name).items for q in quantities(item) if not q.bounded]
+    assert not exact, (
+        f"modules/{name}.yaml: {sorted(set(exact))}: a parameter without bound; a real module has "
+        "a bound on each, so write ±, [lo, hi] or tolerance:"
+    )
 
 
 def test_masses_that_two_sources_publish_lie_inside_the_bounds() -> None:
@@ -195,7 +208,7 @@ def test_joints_and_total_mass_of_each_robot(name: str, n: int, mass: float) -> 
 
 
 def test_the_catalogue_has_the_robots_that_it_promises() -> None:
-    kinds = {name: [j["type"][0] for j in robot(name).to_dict()["joints"]] for name in ROBOTS}
+    kinds = {name: [j["type"][0] for j in robot(name).to_dict()["joints"]] for name in FROM_MODULES}
     assert "".join(kinds["scara"]) == "rrpr"
     assert "".join(kinds["gantry"]) == "pppr"
     assert max(len(types) for types in kinds.values()) == 12

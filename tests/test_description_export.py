@@ -13,12 +13,12 @@ from scipy.spatial.transform import Rotation
 
 import modrobust as mr
 from engine_twins import MjcfTwin, UrdfTwin
-from modrobust.assembly import builtin_robots
 from modrobust.describe import mjcf_text, urdf_text
 from modrobust.describe.orientation import quaternion, roll_pitch_yaw
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.robot import Bounded, Parameters, Robot
 from random_robots import random_robot, random_state, tied
+from ready_robots import available
 
 TOLERANCE = 1e-12  # of the largest entry
 
@@ -31,7 +31,7 @@ def cases() -> list[Robot]:
         random_robot(rng, 9, tree=True),
         random_robot(rng, 12),
         tied(random_robot(rng, 6, tree=True), 4, rng),
-        *(mr.load_robot(name) for name in sorted(builtin_robots())),
+        *available(),
     ]
 
 

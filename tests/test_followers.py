@@ -29,6 +29,7 @@ def pair(request: Any) -> tuple[Robot, Robot]:
         position_limits=whole.position_limits[:4],
         velocity_limits=whole.velocity_limits[:4],
         effort_limits=whole.effort_limits[:4],
+        acceleration_limits=whole.acceleration_limits[:4],
         disturbance=bound,
         followers=Followers(whole.joint_names[4:], LEADERS, MULTIPLIER, OFFSET),
     )
