@@ -394,6 +394,7 @@ class Loop {
 }  // namespace
 
 NB_MODULE(_kernel, m) {
+    nb::set_leak_warnings(false);  // objects that a traceback holds at exit are no news to users
     m.doc() = "The modrobust kernel; see modrobust.dynamics for the checked functions.";
     kernel_status_type =
         PyErr_NewException("modrobust._kernel.KernelError", PyExc_ArithmeticError, nullptr);
