@@ -365,7 +365,11 @@ def test_a_log_that_cannot_be_written_is_refused_and_nothing_is_left(
     [
         ({"scenario": "1"}, ValueRangeError, 'scenario: no scenario "1"; known: none'),
         ({"parameters": "uper"}, ValueRangeError, 'did you mean "upper"?'),
-        ({"duration": -1.0}, ValueRangeError, "duration: -1 s; must be positive and finite; such as 10 s"),
+        (
+            {"duration": -1.0},
+            ValueRangeError,
+            "duration: -1 s; must be positive and finite; such as 10 s",
+        ),
         ({"duration": 1e-9}, ValueRangeError, "is less than one tick of 10000 Hz"),
         ({"duration": 1e9}, ValueRangeError, "make it shorter"),
         ({"control_rate": 0.0}, ValueRangeError, "control_rate: 0 Hz; must lie in"),
@@ -429,7 +433,7 @@ def test_a_scenario_can_be_given_by_its_number(paper: Robot) -> None:
         true_robot(paper, scenario=3)
 
 
-def test_a_start_outside_the_position_limits_is_refused(arm: Robot) -> None:
+def test_a_start_outside_the_limits_is_refused(arm: Robot) -> None:
     with pytest.raises(ValueRangeError) as caught:
         short(arm, q0=[0.0, -1.5])
     assert str(caught.value) == (
@@ -437,6 +441,12 @@ def test_a_start_outside_the_position_limits_is_refused(arm: Robot) -> None:
         "within its limits"
     )
     assert short(arm, q0=[2.0, -1.0], trajectory=REST).t[-1] == 0.2  # the limits themselves
+    with pytest.raises(ValueRangeError) as caught:
+        short(arm, dq0=[2.5, 0.0])
+    assert str(caught.value) == (
+        'dq0: joint "link1.axis" moves at 2.5 rad/s; its velocity must stay in [-2, 2] rad/s; '
+        "start within its limits"
+    )
     own = replace(arm, initial_q=np.array([2.5, 0.0]))
     with pytest.raises(ValueRangeError) as caught:
         short(own)

@@ -35,22 +35,21 @@ def check_limits(robot: Robot, trajectory: Trajectory, duration: float) -> None:
                 raise _refusal(robot, "trajectory", j, value[k, j], kind, where, kind.remedy)
 
 
-def check_start(robot: Robot, name: str, q: Array) -> None:
-    """Refuse positions ``(n,)`` at the start that are outside the robot's limits.
+def check_start(robot: Robot, q: tuple[str, Array], dq: tuple[str, Array]) -> None:
+    """Refuse a state at the start that is outside the robot's limits.
 
     Args:
         robot: The robot.
-        name: What the caller knows the positions as.
-        q: The positions [rad] or [m].
+        q, dq: What the caller knows them as; positions and velocities ``(n,)``.
 
     Raises:
         ValueRangeError: Names the joint and its limits.
     """
-    kind = _KINDS[0]
-    found = _largest_excess(q[None], *kind.limits(robot))
-    if found is not None:
-        j = found[1]
-        raise _refusal(robot, name, j, q[j], kind, "", "start within its limits")
+    for (name, value), kind in zip((q, dq), _KINDS[:2], strict=True):
+        found = _largest_excess(value[None], *kind.limits(robot))
+        if found is not None:
+            j = found[1]
+            raise _refusal(robot, name, j, value[j], kind, "", "start within its limits")
 
 
 @dataclass(frozen=True)

@@ -206,7 +206,11 @@ def simulate(
     own = trajectory is None
     q_start = _start("q0", q0, robot.initial_q if own else None, start[0][0], robot)
     dq_start = _start("dq0", dq0, robot.initial_dq if own else None, start[1][0], robot)
-    check_start(robot, "q0" if q0 is not None else "initial.q", q_start)
+    check_start(
+        robot,
+        ("q0" if q0 is not None else "initial.q", q_start),
+        ("dq0" if dq0 is not None else "initial.dq", dq_start),
+    )
     loop = _loop(plant, controller, truth, q_start, dq_start, dt, substeps)
     run = _Run(loop, motion, ticks, dt, log_every)
     run.advance(progress, duration)

@@ -99,6 +99,11 @@ def test_import_timor_writes_modules_that_load(run, tmp_path: Path) -> None:
     assert (result.returncode, result.stdout) == (0, "out/L1.yaml\n")
     assert "L1: body b: inertia taken as about the com" in result.stderr
     assert "modules[1] left out: " in result.stderr
+    asked = run("import-timor", "modules.json", "-o", "other", "--json")
+    figures = json.loads(asked.stdout)
+    assert figures["written"] == ["other/L1.yaml"]
+    assert [item["module"] for item in figures["left_out"]] == ["modules[1]"]
+    assert asked.stderr == result.stderr
     again = run("import-timor", "modules.json", "-o", "out")
     assert (again.returncode, again.stdout) == (2, "")
     assert again.stderr == (

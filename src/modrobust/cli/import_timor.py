@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from modrobust.cli.options import Json
+
 EXAMPLES = """\b
 Examples:
   modrobust import-timor modules.json -o my-modules
@@ -30,16 +32,25 @@ def import_timor(
             "body, and it is said which."
         ),
     ] = None,
+    json: Json = False,
 ) -> None:
     """Write the modules of a Timor database as module files, one a module."""
-    from modrobust.cli.output import note, show
+    from modrobust.cli.output import note, print_json, show
     from modrobust.timor import import_timor as read
     from modrobust.timor import write_modules
 
     result = read(file, inertia_about)
     paths = write_modules(result, output)
+    if json:
+        print_json(
+            {
+                "written": [str(path) for path in paths],
+                "left_out": [{"module": name, "why": why} for name, why in result.left_out],
+            }
+        )
     for path, module in zip(paths, result.modules, strict=True):
-        show(str(path))
+        if not json:
+            show(str(path))
         for remark in module.notes:
             note(f"{module.id}: {remark}")
     for remark in result.notes:
