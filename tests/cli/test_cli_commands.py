@@ -10,6 +10,7 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
+import pytest
 from command_line import COMMAND, environment
 
 SHORT = ("simulate", "lwa4p-paper", "--scenario", "1", "--duration", "20ms")
@@ -143,3 +144,65 @@ def test_colour_is_for_terminals_and_not_where_no_color_is_set(run, tmp_path: Pa
     assert red.search(on_a_terminal(tmp_path))
     assert not red.search(on_a_terminal(tmp_path, NO_COLOR="1"))
     assert "\x1b" not in run(*SHORT).stdout
+
+
+def columns_of(folder: Path, width: int, *arguments: str) -> str:
+    done = subprocess.run(
+        [*COMMAND, *arguments],
+        cwd=folder,
+        env=environment(COLUMNS=str(width)),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout
+
+
+@pytest.mark.parametrize("width", [20, 40])
+def test_numbers_stay_whole_in_a_narrow_terminal(tmp_path: Path, width: int) -> None:
+    wide, narrow = (columns_of(tmp_path, w, "assemble", "scara") for w in (200, width))
+    for row in re.findall(r"^ (?:arm|quill|wrist)\S+  .*", wide, re.MULTILINE):
+        numbers = re.split(r"  +", row.strip())[3:]
+        assert all(number in narrow for number in numbers)
+        assert any(all(n in line for n in numbers) for line in narrow.splitlines())
+
+
+def test_the_mounting_is_shown_where_it_is_not_the_default(run) -> None:
+    text = run("assemble", "concert-wall").stdout
+    assert "Base in the world: xyz [0 0 1.2] m, rpy [0 90 0] deg.\n" in text
+    assert "Gravity in base axes: [9.81 0 0] m/s^2.\n" in text
+    assert "\nD-H base [" in text
+    assert "\nD-H tool [" in text
+    assert "Gravity" not in run("assemble", "lwa4p-paper").stdout
+
+
+def test_gravity_of_another_place_is_shown_without_a_mounting(run, tmp_path: Path) -> None:
+    text = "modrobust: 1\nrobot: moon\ngravity: [0, 0, -1.62]\nchain: [schunk-pb-large-1]\n"
+    (tmp_path / "moon.yaml").write_text(text)
+    shown = run("assemble", "moon.yaml").stdout
+    assert "Gravity in base axes: [0 0 -1.62] m/s^2.\n" in shown
+    assert "Base in the world" not in shown
+
+
+@pytest.mark.parametrize(("value", "bold"), [("", True), ("1", False)])
+def test_no_color_leaves_plain_text_on_a_terminal(tmp_path: Path, value: str, bold: bool) -> None:
+    terminal, inner = pty.openpty()
+    done = subprocess.Popen(
+        [*COMMAND, "assemble", "scara"],
+        cwd=tmp_path,
+        env=environment(NO_COLOR=value, TERM="xterm", COLUMNS="80"),
+        stdout=inner,
+    )
+    os.close(inner)
+    shown = b""
+    while True:
+        try:
+            data = os.read(terminal, 65536)
+        except OSError:
+            break
+        if not data:
+            break
+        shown += data
+    os.close(terminal)
+    assert done.wait(60) == 0
+    assert (b"\x1b[" in shown) is bold

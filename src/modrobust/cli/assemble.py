@@ -57,7 +57,7 @@ def assemble(
         from modrobust.cli.assemble_report import print_report
         from modrobust.report import report
 
-        print_report(report(loaded))
+        print_report(loaded, report(loaded))
 
 
 command = assemble

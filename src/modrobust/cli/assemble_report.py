@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from modrobust.cli.output import number, show, table
 
@@ -14,10 +16,10 @@ if TYPE_CHECKING:
 
     from modrobust.dh import DHTable
     from modrobust.report import Masses, Report
-    from modrobust.robot import Array, ModuleNode
+    from modrobust.robot import Array, ModuleNode, Robot
 
 
-def print_report(report: Report) -> None:
+def print_report(robot: Robot, report: Report) -> None:
     """Print the report: modules, D-H table, links, joints, remarks."""
     from rich.padding import Padding
     from rich.text import Text
@@ -28,11 +30,11 @@ def print_report(report: Report) -> None:
         style="bold",
     )
     show(f"Reach {number(report.reach)} m, the largest of {report.poses} seeded poses.", "")
-    show(_modules(report), "")
+    show(*_mounting(robot), _modules(report), "")
     if report.dh is not None:
         show("Standard D-H table, q added to theta (revolute) or d (prismatic)")
         show(_dh(report, report.dh))
-        show(_end("base", report.dh.base), _end("tool", report.dh.tool), "")
+        show(_end("D-H base", report.dh.base), _end("D-H tool", report.dh.tool), "")
     show("Links, their masses and bounds", _links(report))
     show("Joints: limits, largest static gravity torque found (upper end of hull)")
     show(_joints(report))
@@ -43,6 +45,26 @@ def print_report(report: Report) -> None:
     ):
         if lines:
             show(f"{title}:", *(Padding(Text(line), (0, 0, 0, 2)) for line in lines))
+
+
+def _mounting(robot: Robot) -> list[str]:
+    """Where the base stands and which way it feels gravity, where either is not the default."""
+    from modrobust.describe.orientation import roll_pitch_yaw
+    from modrobust.formats.assembly import GRAVITY
+
+    lines = []
+    turned = robot.base[:3, :3].T @ robot.gravity
+    if not np.array_equal(robot.base, np.eye(4)):
+        degrees = np.degrees(roll_pitch_yaw(robot.base[:3, :3]))
+        place = _row(robot.base[:3, 3])
+        lines.append(f"Base in the world: xyz [{place}] m, rpy [{_row(degrees)}] deg.")
+    if lines or not np.array_equal(robot.gravity, GRAVITY):
+        lines.append(f"Gravity in base axes: [{_row(turned)}] m/s^2.")
+    return [*lines, ""] if lines else []
+
+
+def _row(values: Iterable[float]) -> str:
+    return " ".join(number(round(float(x), 12) + 0.0) for x in values)
 
 
 def _mass(mass: Masses) -> str:
@@ -81,8 +103,7 @@ def _dh(report: Report, dh: DHTable) -> Table:
 
 
 def _end(name: str, transform: Array) -> str:
-    text = "; ".join(" ".join(number(float(x) + 0.0) for x in row) for row in transform[:3])
-    return f"{name} [{text}]"
+    return f"{name} [{'; '.join(_row(row) for row in transform[:3])}]"
 
 
 def _links(report: Report) -> Table:

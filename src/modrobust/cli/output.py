@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
 from collections.abc import Mapping
@@ -14,19 +15,41 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
+_NARROWEST = 10  # [letters], of a column whose texts can be folded
+
+
 def show(*results: RenderableType, style: str = "") -> None:
-    """Write results to stdout; no colour when it is no terminal or NO_COLOR is set.
+    """Write results to stdout; no colour nor bold when it is no terminal or NO_COLOR is set.
 
     Texts are taken as they are, without rich's markup. Lines do not end in blanks.
     """
     from rich.console import Console
+    from rich.table import Table
 
-    console = Console(highlight=False, markup=False, emoji=False)
+    plain = True if os.environ.get("NO_COLOR") else None  # rich drops the colours only
+    console = Console(
+        highlight=False, markup=False, emoji=False, color_system=None if plain else "auto"
+    )
+    usual = console.width
     with console.capture() as captured:
         for result in results:
+            if isinstance(result, Table):  # rather wider than a narrow terminal than unreadable
+                console.width = max(usual, _narrowest(result))
             console.print(result, style=style)
+            console.width = usual
     for line in captured.get().splitlines():
         sys.stdout.write(f"{line.rstrip()}\n")
+
+
+def _narrowest(table: Table) -> int:
+    """Width below which numbers would lose their end and names would vanish."""
+    from rich.cells import cell_len
+
+    width = 2
+    for column in table.columns:
+        longest = max(cell_len(str(cell)) for cell in (column.header, *column.cells))
+        width += 2 + (longest if column.no_wrap else min(longest, _NARROWEST))
+    return width
 
 
 def table(*columns: str, left: int = 1) -> Table:
@@ -38,7 +61,8 @@ def table(*columns: str, left: int = 1) -> Table:
     empty = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), show_header=any(columns))
     for index, column in enumerate(columns):
         side: Literal["left", "right"] = "left" if index < left else "right"
-        empty.add_column(Text(column), justify=side, overflow="fold")
+        # A number that is broken in two reads as two; a name can be.
+        empty.add_column(Text(column), justify=side, overflow="fold", no_wrap=index >= left)
     return empty
 
 
