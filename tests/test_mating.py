@@ -24,6 +24,7 @@ def connector(clocking: float | None) -> Connector:
         *((30, k) for k in (0, 30, 60, 90, 150, 330, 720, -30, -60, -90, -330)),
         *((60, k) for k in (0, 60, 120, 180, 300, -60, -120, -300)),
         *((90, k) for k in (0, 90, 270, -90, -270)),
+        (90, 2070),  # in radians a little less than 23 steps
     ],
 )
 def test_a_multiple_of_the_step_is_allowed_either_way(step: float, mount: float) -> None:

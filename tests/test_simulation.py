@@ -463,6 +463,7 @@ def test_a_start_outside_the_limits_is_refused(arm: Robot) -> None:
         (0.0105, 1e3, 11),  # half a tick beyond the last
         (0.0109, 1e3, 11),
         (0.3, 1e4, 3001),  # products that round below a whole number, or above it
+        (0.0029, 1e4, 30),  # the product is a little less than 29
         (0.29, 1e4, 2901),
         (0.07, 1e4, 701),
         (1.1, 3e3, 3301),
