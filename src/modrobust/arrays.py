@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from numbers import Real
 from reprlib import repr as short
 
@@ -55,7 +56,8 @@ def as_real(name: str, value: ArrayLike, expected: str) -> Array:
         ValueRangeError: Truth values, texts, dates, complex numbers, other objects, masked arrays
             or lists of different lengths.
     """
-    if isinstance(value, np.ma.MaskedArray):
+    # numpy.ma takes 13 ms to import; who holds a masked array has done it
+    if "numpy.ma" in sys.modules and isinstance(value, np.ma.MaskedArray):
         raise ValueRangeError(f"{name}: is a masked array; expected {expected}; fill it")
     try:
         array = np.asarray(value)
