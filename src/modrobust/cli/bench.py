@@ -21,6 +21,7 @@ Examples:
 
 \b
 Ctrl-C ends early: what was measured is shown, the exit code is 130.
+The exit code is 1 when the loop of a robot diverges: there is nothing to measure then.
 """
 
 
@@ -58,6 +59,14 @@ def bench(
     if result.interrupted:
         note("interrupted; what was measured until then is kept")
         raise typer.Exit(130)
+    diverged = [item.run for item in result.robots if item.run is not None and item.run.diverged]
+    for run in diverged:
+        note(
+            f"{run.robot.name}: the loop diverged at {run.t[-1]:.6g} s, so nothing of it is "
+            "measured; modrobust simulate shows the run; try lower gains"
+        )
+    if diverged:
+        raise typer.Exit(1)
 
 
 def print_benchmark(figures: Mapping[str, Any]) -> None:
