@@ -8,5 +8,6 @@ from collections.abc import Iterable
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
     """``did you mean "x"? `` when a known name is close, else nothing."""
-    close = difflib.get_close_matches(str(name)[:80], list(known), 1, 0.6)
-    return f'did you mean "{close[0]}"? ' if close else ""
+    spelt = {each.casefold(): each for each in known}
+    close = difflib.get_close_matches(str(name)[:80].casefold(), list(spelt), 1, 0.6)
+    return f'did you mean "{spelt[close[0]]}"? ' if close else ""

@@ -33,7 +33,17 @@ def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
         DescriptionError: M is singular; the message names the joint.
     """
     q = np.random.default_rng(_SEED).uniform(-1.0, 1.0, robot.n)  # [rad] or [m]
-    M = _kernel.mass_matrix(robot.model, robot.nominal.packed, q, True)
+    try:
+        M = _kernel.mass_matrix(robot.model, robot.nominal.packed, q, True)
+    except _kernel.KernelError:  # masses are bounded where they are read: it is a drive or a length
+        with np.errstate(over="ignore", invalid="ignore"):
+            drives = robot.gear_ratio**2 * robot.nominal.rotor_inertia
+        worst = int(np.argmax(np.nan_to_num(drives[: robot.n], nan=np.inf, posinf=np.inf)))
+        raise where[worst].error(
+            f"joint {robot.joint_names[worst]}",
+            "the inertia that it moves is not finite; a figure is far too large; check the "
+            "exponents of its drive and of the lengths behind it",
+        ) from None
     joint = singular_joint(M)
     if joint is not None:
         axis = "along" if robot.joint_types[joint] == "prismatic" else "about"

@@ -186,6 +186,8 @@ def _majority(modules: Sequence[Node]) -> str:
 
 def _read(path: str | Path) -> str:
     try:
+        if Path(path).exists() and not (Path(path).is_file() or Path(path).is_dir()):
+            raise FileError(path, "is a pipe or a device; expected a file; save it as one")
         with Path(path).open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
         text = data.decode("utf-8")

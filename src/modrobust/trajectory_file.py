@@ -50,6 +50,8 @@ def _rows(file: str | Path) -> list[tuple[int, list[str]]]:
     try:
         if path.is_dir():
             raise FileError(file, "is a directory; expected a CSV file")
+        if path.exists() and not path.is_file():
+            raise FileError(file, "is a pipe or a device; expected a CSV file; save it as one")
         if path.stat().st_size > MAX_BYTES:
             raise FileError(file, "is larger than 256 MiB; thin the rows out")
         text = path.read_bytes().decode("utf-8-sig")

@@ -114,7 +114,10 @@ ASSEMBLY_CASES = [
         "a payload without extent",
         "com: [0",
         "size: [1, 1, 0], com: [0",
-        ("r.yaml:8: payload.size[2]: not positive; the edge of a box is above 0; correct it"),
+        (
+            "r.yaml:8: payload.size[2]: 0 m is not positive; the edge of a box is above 0, "
+            "its lower bound too; correct it"
+        ),
     ),
     (
         "a list per joint",

@@ -169,7 +169,9 @@ def read_payload(model: PayloadModel, notes: list[str]) -> Payload:
         for edge in size:
             if edge.ends()[0].middle <= 0:
                 raise edge.where.error(
-                    edge.field, "not positive; the edge of a box is above 0; correct it"
+                    edge.field,
+                    f"{float(edge.ends()[0].middle):g} m is not positive; the edge of a box is "
+                    "above 0, its lower bound too; correct it",
                 )
         entries = box_body(masses.mass, size, model.size.where, "payload.size")
         xx, xy, xz, yy, yz, zz = (entry.quantity() for entry in entries)

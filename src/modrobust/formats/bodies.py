@@ -13,7 +13,7 @@ from modrobust.formats.inertia import (
     largest_principal_moment,
     moved_to_com,
 )
-from modrobust.formats.nodes import Node
+from modrobust.formats.nodes import Node, Where
 from modrobust.formats.part_models import InertiaModel
 from modrobust.formats.quantity import Quantity, Written, parse_vector, parse_written
 from modrobust.formats.tolerance import Tolerances
@@ -22,6 +22,10 @@ _NO_INERTIA = Enclosure(Fraction(0), Fraction(0))
 
 Three = tuple[Quantity, Quantity, Quantity]
 Six = tuple[Quantity, Quantity, Quantity, Quantity, Quantity, Quantity]
+
+_MOST_MASS = 1e12  # [kg]
+_FARTHEST = 1e9  # [m]
+_MOST_INERTIA = 1e30  # [kg m^2]
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,19 @@ def read_masses(mass: Node, com: Node, prefix: str, tolerances: Tolerances) -> M
         tolerances.apply("com", y, "length").quantity(),
         tolerances.apply("com", z, "length").quantity(),
     )
+    _refuse_absurd(mass.where, f"{prefix}mass", "kg", _MOST_MASS, bounded_mass)
+    for k, component in enumerate(bounded_com):
+        _refuse_absurd(com.where, f"{prefix}com[{k}]", "m", _FARTHEST, component)
     return Masses(written, vector, bounded_mass, bounded_com)
+
+
+def _refuse_absurd(where: Where, field: str, unit: str, most: float, found: Quantity) -> None:
+    """Figures that products of them would make infinite: always a slip in an exponent."""
+    value = max(-found.lo, found.hi)
+    if value > most:
+        raise where.error(
+            field, f"{value:g} {unit} is beyond {most:g} {unit}; no robot has that; correct it"
+        )
 
 
 def read_inertia(
@@ -88,4 +104,6 @@ def read_inertia(
         tolerances.apply("inertia", entry, "inertia", largest).quantity() for entry in entries
     )
     inertia = (xx, xy, xz, yy, yz, zz)
+    for name, entry in zip(ENTRIES, inertia, strict=True):
+        _refuse_absurd(model.where, f"{field}.{name}", "kg m^2", _MOST_INERTIA, entry)
     return inertia, box_is_physical(inertia)

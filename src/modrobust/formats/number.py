@@ -14,6 +14,7 @@ MAX_LENGTH = 400
 MAX_EXPONENT = 300
 
 _DECIMAL = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_COMMA = re.compile(r"\s*[+-]?[0-9]+(,)[0-9]")
 _PI = r"(?:pi|π)(?![^\W\d_])"
 _VALUE = re.compile(
     rf"\s*(?P<sign>[+-]?)\s*(?P<product>(?:{_DECIMAL}|{_PI})"
@@ -54,6 +55,12 @@ def parse_number(
             f"a number of {len(text)} characters; a number has at most {MAX_LENGTH}; shorten it"
         )
     match = _VALUE.fullmatch(text)
+    comma = _COMMA.match(text)
+    if comma is not None:
+        raise NumberError(
+            f"{shown(text)} has a comma; the decimal sign is a point; "
+            f'write "{text[: comma.start(1)]}.{text[comma.end(1) :]}"'
+        )
     if match is None:
         raise NumberError(_not_a_number(text))
     rational, pi_power = _product(match["product"], text)

@@ -62,6 +62,10 @@ def _read_text(name: str) -> str:
         raise FileError(
             name, f"{found}; a description ends in .yaml, .yml or .json; rename or convert it"
         )
+    if not path.is_file():
+        raise FileError(
+            name, "is a pipe or a device; a description is a regular file; save it as one"
+        )
     try:
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 from modrobust.errors import DescriptionError
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, kind_of
+
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # all but tab and newline
 
 MAX_DEPTH = 32
 MAX_VALUES = 20_000
@@ -46,6 +50,14 @@ class TreeBuilder:
         if not text.isascii() and any("\ud800" <= letter <= "\udfff" for letter in text):
             raise self.refuse(
                 where, "half a surrogate pair", "text is Unicode", "write the letter itself"
+            )
+        control = _CONTROL.search(text)
+        if control is not None:
+            raise self.refuse(
+                where,
+                f"control character U+{ord(control[0]):04X}, written as an escape",
+                "a text is plain, or it could steer the terminal that shows it",
+                "remove it",
             )
         top = self._stack[-1] if self._stack else None
         if top is not None and top.is_map and top.key is None:
