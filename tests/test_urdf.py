@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 import modrobust as mr
+from modrobust.robot import ModuleNode
 from modrobust.urdf_tree import axis_rotation
 from urdf_texts import INERTIA, INERTIAL, LIMIT, joint, link, robot, two_links, written
 
@@ -456,3 +457,14 @@ def test_xacro_without_its_package_says_how(
     path = written(tmp_path, two_links(), "small.xacro")
     with pytest.raises(mr.ModrobustError, match='pip install "modrobust\\[xacro\\]"'):
         mr.load_robot(path)
+
+
+def test_branches_of_a_robot_hang_on_the_link_that_they_leave(tmp_path: Path) -> None:
+    loaded = mr.load_robot(written(tmp_path, branched()))
+
+    def shown(nodes: tuple[ModuleNode, ...]) -> list[object]:
+        return [(node.instance, shown(node.children)) for node in nodes]
+
+    arm = ("b", [("c", [])])
+    other = ("d", [("e", []), ("f", [])])
+    assert shown(loaded.modules) == [("base", []), ("a", [arm, other])]

@@ -61,8 +61,8 @@ class JointFigures:
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """All figures of one robot. `reach` [m] is the largest tip distance found from the origin of
-    the base frame; `exact` groups the names of `Robot.exact` for reading."""
+    """All figures of one robot. `reach` [m] is the largest distance found of a link or body frame
+    from the origin of the base frame; `exact` groups the names of `Robot.exact` for reading."""
 
     robot: str
     modules: tuple[ModuleNode, ...]
@@ -88,7 +88,7 @@ def report(robot: Robot, poses: int = POSES, seed: int = SEED) -> Report:
         links=_links(robot),
         joints=tuple(_joint(robot, i, float(torque[i])) for i in range(robot.n)),
         total_mass=_mass(robot, range(robot.b)),
-        reach=max(float(np.max(np.linalg.norm(tip, axis=1))) for tip in _tips(robot, q)),
+        reach=_reach(robot, q),
         poses=poses,
         exact=exact_groups(robot),
         not_modelled=robot.not_modelled,
@@ -177,15 +177,18 @@ def _static_torque(robot: Robot, q: Array) -> Array:
     return result
 
 
-def _tips(robot: Robot, q: Array) -> list[Array]:
-    """Origins ``(k, 3)`` in the base frame of the links that carry no other; poses ``(k, n)``."""
+def _reach(robot: Robot, q: Array) -> float:
+    """Largest distance of a link or body frame's origin from the base frame's, poses ``(k, n)``."""
     q = robot.all_positions(q)
-    leaves = set(range(robot.j)) - set(robot.parents.tolist())
-    return [_origins(robot, q, leaf) for leaf in sorted(leaves)]
+    points = {(i, (0.0, 0.0, 0.0)) for i in range(robot.j)}
+    for i, T in zip(robot.body_joints, robot.placement, strict=True):
+        points.add((int(i), tuple(T[:3, 3].tolist())))
+    return max(float(np.max(np.linalg.norm(_positions(robot, q, *p), axis=1))) for p in points)
 
 
-def _origins(robot: Robot, q: Array, i: int) -> Array:
-    p = np.zeros((len(q), 3))
+def _positions(robot: Robot, q: Array, i: int, point: tuple[float, ...]) -> Array:
+    """The point of link i in the base frame, ``(k, 3)``."""
+    p = np.tile(np.array(point), (len(q), 1))
     while i >= 0:
         p = p @ robot.after[i, :3, :3].T + robot.after[i, :3, 3]
         if robot.joint_types[i] == "prismatic":

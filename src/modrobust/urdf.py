@@ -7,6 +7,7 @@ same bytes: what two readers understand differently is refused.
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -225,18 +226,30 @@ def _placeholders(description: Description, chosen: Selection) -> list[str]:
 def _nodes(
     description: Description, chosen: Selection, bodies: list[PlacedBody]
 ) -> tuple[ModuleNode, ...]:
-    """The robot as a tree for display: what moves with one joint is one node."""
+    """The robot as a tree for display: what moves with one joint is one node.
+
+    A chain is a list of nodes; where it branches, each branch hangs on the last one before.
+    """
     below: dict[int, list[str]] = defaultdict(list)
     for body in bodies:
         below[body.joint].append(body.name)
-    nodes = []
-    for index in range(-1, len(chosen.motions)):
+    after: dict[int, list[int]] = defaultdict(list)
+    for index, motion in enumerate(chosen.motions):
+        after[motion.parent].append(index)
+
+    chains: dict[int, list[ModuleNode]] = {}  # from one joint on to the next branching, backwards
+    for index in reversed(range(-1, len(chosen.motions))):
         if index < 0:
-            if below[-1]:
-                nodes.append(ModuleNode("base", "urdf", "fixed", (), tuple(below[-1])))
-            continue
-        joint = chosen.motions[index].joint
-        nodes.append(
-            ModuleNode(joint.child, "urdf", joint.type, (joint.name,), tuple(below[index]))
-        )
-    return tuple(nodes)
+            node = ModuleNode("base", "urdf", "fixed", (), tuple(below[index]))
+        else:
+            joint = chosen.motions[index].joint
+            node = ModuleNode(joint.child, "urdf", joint.type, (joint.name,), tuple(below[index]))
+        branches = [chains.pop(child) for child in after[index]]
+        if len(branches) > 1:
+            heads = [
+                replace(branch[-1], children=(*branch[-2::-1], *branch[-1].children))
+                for branch in branches
+            ]
+            node = replace(node, children=tuple(heads))
+        chains[index] = [*(branches[0] if len(branches) == 1 else []), node]
+    return tuple(reversed(chains[-1]))
