@@ -26,19 +26,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.errors import DescriptionError, FileError, ValueRangeError
-from modrobust.formats import ListNode, MapNode, Node, ScalarNode, Where
+from modrobust.formats import MapNode, Node
 from modrobust.formats.inertia import positive_definite, steiner
 from modrobust.formats.json_reader import parse_json
 from modrobust.geometry import inverse, rotation_x
+from modrobust.timor_reader import (
+    EFFORT,
+    Body,
+    Connector,
+    Joint,
+    finite,
+    member,
+    members,
+    optional_member,
+    read_bodies,
+    read_database,
+    read_joints,
+    text_of,
+    texts_of,
+)
 
 Array = NDArray[np.float64]
 
-MAX_BYTES = 1 << 20
 READINGS = ("com", "frame")
 _DIGITS = 12  # decimals of a length [m] that a description keeps: 1e-12 m
 _RIGHT = 1e-9  # [rad]; nearer to a multiple of 90 degrees is meant as one
 _TRIANGLE = 1e-9  # relative, as for module files
-_SETS = {"revolute": "torque", "continuous": "torque", "prismatic": "force"}
 
 
 @dataclass(frozen=True)
@@ -59,37 +72,6 @@ class Import:
     notes: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class _Body:
-    id: str
-    mass: Fraction
-    com: tuple[Fraction, ...]
-    tensor: tuple[Fraction, ...]  # xx, xy, xz, yy, yz, zz as written
-    texts: tuple[tuple[str, ...], tuple[str, ...], str]  # com, tensor, mass
-    connectors: tuple[_Connector, ...]
-    where: Where
-
-
-@dataclass(frozen=True, eq=False)
-class _Connector:
-    id: str
-    pose: Array
-    gender: str
-    type: str
-    size: str
-
-
-@dataclass(frozen=True, eq=False)
-class _Joint:
-    id: str
-    parent: str
-    child: str
-    type: str
-    to_joint: Array  # parent body to joint
-    to_child: Array  # joint to child body
-    fields: MapNode
-
-
 def import_timor(path: str | Path, inertia_about: str | None = None) -> Import:
     """The modules of a Timor database.
 
@@ -105,8 +87,8 @@ def import_timor(path: str | Path, inertia_about: str | None = None) -> Import:
     """
     if inertia_about not in (None, *READINGS):
         raise ValueRangeError(f'inertia_about: "{inertia_about}" is none of {", ".join(READINGS)}')
-    root = parse_json(_read(path), os.fspath(path))
-    modules = _list(_entry(root, "modules", ""), "modules")
+    root = parse_json(read_database(path), os.fspath(path))
+    modules = members(member(root, "modules", ""), "modules")
     default = inertia_about or _majority(modules)
     done: dict[str, Imported] = {}
     left_out: list[tuple[str, str]] = []
@@ -173,7 +155,7 @@ def _majority(modules: Sequence[Node]) -> str:
     votes = dict.fromkeys(READINGS, 0)
     for index, node in enumerate(modules):
         try:
-            bodies = _bodies(node, f"modules[{index}]")
+            bodies = read_bodies(node, f"modules[{index}]")
         except DescriptionError:
             continue
         for body in bodies.values():
@@ -184,44 +166,26 @@ def _majority(modules: Sequence[Node]) -> str:
     return "frame" if votes["frame"] > votes["com"] else "com"
 
 
-def _read(path: str | Path) -> str:
-    try:
-        if Path(path).exists() and not (Path(path).is_file() or Path(path).is_dir()):
-            raise FileError(path, "is a pipe or a device; expected a file; save it as one")
-        with Path(path).open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
-        text = data.decode("utf-8")
-    except OSError as error:
-        reason = (error.strerror or "unknown reason").lower()
-        raise FileError(path, f"cannot be read: {reason}; check the path") from None
-    except UnicodeDecodeError:
-        raise FileError(path, "not UTF-8 text; give Timor's modules.json") from None
-    if len(data) > MAX_BYTES:
-        raise FileError(path, "more than 1 MiB; a module database has at most that; split it")
-    # Python writes "no limit" so, which JSON does not know.
-    return re.sub(r"(?<=[\s:\[,])-?Infinity\b", "null", text)
-
-
 def _module(
     node: Node, name: str, inertia_about: str | None, default: str, source: str
 ) -> Imported:
-    header = _entry(node, "header", name)
-    identity = _slug(_text(header, "ID", name))
-    bodies = _bodies(node, name)
-    joints = _joints(node, name, bodies)
+    header = member(node, "header", name)
+    identity = _slug(text_of(header, "ID", name))
+    bodies = read_bodies(node, name)
+    joints = read_joints(node, name, bodies)
     start, end = _ends(bodies, node, name)
     path = _path(start[0], end[0], bodies, joints, node, name)
     notes: list[str] = []
     chain = _chain(path, start, end, inertia_about, default, notes)
     ends = [("in", start[1]), ("out", end[1])]
-    author = _optional(header, "author")
-    authors = ", ".join(_texts(author)) if author is not None else "unknown author"
+    author = optional_member(header, "author")
+    authors = ", ".join(texts_of(author)) if author is not None else "unknown author"
     lines = [
         "# Imported from a Timor module database; no bounds are known: every figure is exact.",
         "modrobust: 1",
         f"module: {identity}",
-        f"name: {_quoted(_text(header, 'name', name))}",
-        f"source: {_quoted(f'Timor {source}, ID ' + _text(header, 'ID', name) + ', ' + authors)}",
+        f"name: {_quoted(text_of(header, 'name', name))}",
+        f"source: {_quoted(f'Timor {source}, ID ' + text_of(header, 'ID', name) + ', ' + authors)}",
     ]
     if notes:
         lines += ["notes:", *(f"  - {_quoted(note)}" for note in notes)]
@@ -230,83 +194,10 @@ def _module(
     return Imported(identity, "\n".join(lines) + "\n", tuple(notes))
 
 
-def _bodies(node: Node, name: str) -> dict[str, _Body]:
-    found: dict[str, _Body] = {}
-    for index, entry in enumerate(_list(_entry(node, "bodies", name), f"{name}.bodies")):
-        field = f"{name}.bodies[{index}]"
-        body = _body(entry, field)
-        if body.id in found:
-            raise entry.where.error(field, f'a second body with the ID "{body.id}"')
-        found[body.id] = body
-    return found
+Ends = tuple[str, Connector]
 
 
-def _body(node: Node, field: str) -> _Body:
-    com = _numbers(_entry(node, "r_com", field), 3, f"{field}.r_com")
-    rows = [
-        _numbers(row, 3, f"{field}.inertia")
-        for row in _list(_entry(node, "inertia", field), f"{field}.inertia", 3)
-    ]
-    if any(Fraction(rows[i][j]) != Fraction(rows[j][i]) for i, j in ((0, 1), (0, 2), (1, 2))):
-        raise node.where.error(f"{field}.inertia", "the tensor is not symmetric; correct it")
-    six = (rows[0][0], rows[0][1], rows[0][2], rows[1][1], rows[1][2], rows[2][2])
-    mass = _number(_entry(node, "mass", field), f"{field}.mass")
-    connectors = _optional(node, "connectors")
-    nodes = [] if connectors is None else _list(connectors, f"{field}.connectors")
-    return _Body(
-        _text(node, "ID", field),
-        Fraction(mass),
-        tuple(Fraction(text) for text in com),
-        tuple(Fraction(text) for text in six),
-        (tuple(com), six, mass),
-        tuple(_read_connector(c, f"{field}.connectors[{i}]") for i, c in enumerate(nodes)),
-        node.where,
-    )
-
-
-def _read_connector(node: Node, field: str) -> _Connector:
-    size = _optional(node, "size")
-    gender = _text(node, "gender", field)
-    known = {"f": "f", "female": "f", "m": "m", "male": "m", "h": "n", "hermaphroditic": "n"}
-    if gender not in known:
-        raise node.where.error(f"{field}.gender", f'"{gender}" is none of {", ".join(known)}')
-    return _Connector(
-        _text(node, "ID", field),
-        _pose(_entry(node, "pose", field), f"{field}.pose"),
-        known[gender],
-        _text(node, "type", field),
-        "x".join(_texts(size)) if size is not None else "",
-    )
-
-
-def _joints(node: Node, name: str, bodies: dict[str, _Body]) -> list[_Joint]:
-    found = []
-    for index, entry in enumerate(_list(_entry(node, "joints", name), f"{name}.joints")):
-        field = f"{name}.joints[{index}]"
-        ends = [_text(entry, key, field) for key in ("parent", "child")]
-        for end in ends:
-            if end not in bodies:
-                raise entry.where.error(field, f'no body with the ID "{end}"; correct it')
-        kind = _text(entry, "type", field)
-        passive = _optional(entry, "passive")
-        if kind not in _SETS or (isinstance(passive, ScalarNode) and passive.text == "true"):
-            raise entry.where.error(
-                field,
-                f"a {'passive ' if kind in _SETS else ''}{kind} joint; joints are driven and "
-                f"one of {', '.join(_SETS)}",
-            )
-        assert isinstance(entry, MapNode)
-        poses = [_pose(_entry(entry, key, field), field) for key in ("poseParent", "poseChild")]
-        found.append(
-            _Joint(_text(entry, "ID", field), ends[0], ends[1], kind, poses[0], poses[1], entry)
-        )
-    return found
-
-
-Ends = tuple[str, _Connector]
-
-
-def _ends(bodies: dict[str, _Body], node: Node, name: str) -> tuple[Ends, Ends]:
+def _ends(bodies: dict[str, Body], node: Node, name: str) -> tuple[Ends, Ends]:
     """The connector towards the base and the one towards the tip, with their bodies."""
     every = [(body.id, c) for body in bodies.values() for c in body.connectors]
     if len(every) != 2:
@@ -331,14 +222,14 @@ def _ends(bodies: dict[str, _Body], node: Node, name: str) -> tuple[Ends, Ends]:
 def _path(
     start: str,
     end: str,
-    bodies: dict[str, _Body],
-    joints: list[_Joint],
+    bodies: dict[str, Body],
+    joints: list[Joint],
     node: Node,
     name: str,
-) -> list[tuple[_Body, _Joint | None]]:
+) -> list[tuple[Body, Joint | None]]:
     """Bodies from in to out, each with the joint that follows it."""
     by_parent = {joint.parent: joint for joint in joints}
-    path: list[tuple[_Body, _Joint | None]] = []
+    path: list[tuple[Body, Joint | None]] = []
     body = start
     while body != end:
         joint = by_parent.get(body)
@@ -355,7 +246,7 @@ def _path(
 
 
 def _chain(
-    path: list[tuple[_Body, _Joint | None]],
+    path: list[tuple[Body, Joint | None]],
     start: Ends,
     end: Ends,
     inertia_about: str | None,
@@ -386,7 +277,7 @@ def _chain(
 
 
 def _body_lines(
-    body: _Body, name: str, ahead: Array, inertia_about: str | None, default: str, notes: list[str]
+    body: Body, name: str, ahead: Array, inertia_about: str | None, default: str, notes: list[str]
 ) -> list[str]:
     readings = inertia_reading(body.mass, body.com, body.tensor)
     about = inertia_about or (readings[0] if len(readings) == 1 else default)
@@ -423,36 +314,36 @@ def _body_lines(
     ]
 
 
-def _joint_lines(joint: _Joint, name: str) -> list[str]:
+def _joint_lines(joint: Joint, name: str) -> list[str]:
     lines = [f"  - joint: {name}", f"    type: {joint.type}"]
     limits = joint.fields.entries.get("limits")
     said = limits.entries if isinstance(limits, MapNode) else {}
     parts = []
-    lo, hi = (_finite(said.get(key)) for key in ("positionLower", "positionUpper"))
+    lo, hi = (finite(said.get(key)) for key in ("positionLower", "positionUpper"))
     if lo is not None and hi is not None and joint.type != "continuous":
         parts.append(f"position: [{lo}, {hi}]")
-    keys = (("velocity", "velocity"), (_SETS[joint.type], "peakTorque"))
+    keys = (("velocity", "velocity"), (EFFORT[joint.type], "peakTorque"))
     for key, theirs in (*keys, ("acceleration", "acceleration")):
-        value = _finite(said.get(theirs))
+        value = finite(said.get(theirs))
         if value is not None and Fraction(value):
             parts.append(f"{key}: {value}")
     if parts:
         lines.append(f"    limits: {{{', '.join(parts)}}}")
     fields = joint.fields.entries
-    motor, gear = (_finite(fields.get(key)) for key in ("motorInertia", "gearRatio"))
+    motor, gear = (finite(fields.get(key)) for key in ("motorInertia", "gearRatio"))
     if motor is not None and Fraction(motor):
         lines.append(f"    drive: {{gear_ratio: {gear or 1}, rotor_inertia: {motor}}}")
     friction = [
         f"{key}: {value}"
         for key, theirs in (("viscous", "frictionViscous"), ("coulomb", "frictionCoulomb"))
-        if (value := _finite(fields.get(theirs))) is not None and Fraction(value)
+        if (value := finite(fields.get(theirs))) is not None and Fraction(value)
     ]
     if friction:
         lines.append(f"    friction: {{{', '.join(friction)}}}")
     return lines
 
 
-def _connector(key: str, connector: _Connector) -> list[str]:
+def _connector(key: str, connector: Connector) -> list[str]:
     size = f", size: {connector.size}" if connector.size else ""
     kind = _quoted(connector.type or "timor")
     return [f"  {key}: {{type: {kind}{size}, gender: {connector.gender}}}"]
@@ -506,64 +397,3 @@ def _unique(text: str, taken: set[str]) -> str:
 def _quoted(text: str) -> str:
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return '"' + "".join(c if c.isprintable() else " " for c in escaped) + '"'
-
-
-def _entry(node: Node, key: str, field: str) -> Node:
-    if isinstance(node, MapNode) and key in node.entries:
-        return node.entries[key]
-    raise node.where.error(field, f'no "{key}"; a Timor module database has it')
-
-
-def _optional(node: Node, key: str) -> Node | None:
-    return node.entries.get(key) if isinstance(node, MapNode) else None
-
-
-def _list(node: Node, field: str, length: int | None = None) -> Sequence[Node]:
-    if not isinstance(node, ListNode) or length not in (None, len(node.items)):
-        wanted = "a list" if length is None else f"a list of {length}"
-        raise node.where.error(field, f"not {wanted}; a Timor module database has one there")
-    return node.items
-
-
-def _text(node: Node, key: str, field: str) -> str:
-    entry = _entry(node, key, field)
-    if not isinstance(entry, ScalarNode):
-        raise entry.where.error(f"{field}.{key}", "not a text; a Timor module database has one")
-    return entry.text
-
-
-def _texts(node: Node) -> list[str]:
-    items = node.items if isinstance(node, ListNode) else (node,)
-    return [item.text for item in items if isinstance(item, ScalarNode)]
-
-
-def _number(node: Node, field: str) -> str:
-    text = node.text if isinstance(node, ScalarNode) else ""
-    if not re.fullmatch(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]{1,3})?", text):
-        raise node.where.error(field, f'"{text[:60]}" is not a finite number; correct it')
-    return text
-
-
-def _finite(node: Node | None) -> str | None:
-    """A number as written; None for none, null and the infinities that stand for no limit."""
-    if not isinstance(node, ScalarNode) or node.text.lower().strip('-+"') in (
-        "null",
-        "inf",
-        "infinity",
-    ):
-        return None
-    return _number(node, "limits")
-
-
-def _numbers(node: Node, length: int, field: str) -> list[str]:
-    return [_number(item, field) for item in _list(node, field, length)]
-
-
-def _pose(node: Node, field: str) -> Array:
-    rows = [_numbers(row, 4, field) for row in _list(node, field, 4)]
-    matrix = np.array([[float(text) for text in row] for row in rows])
-    turned = matrix[:3, :3]
-    rigid = np.allclose(turned @ turned.T, np.eye(3), atol=1e-6) and np.linalg.det(turned) > 0.0
-    if not rigid or not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
-        raise node.where.error(field, "not a rigid transform; correct it")
-    return matrix

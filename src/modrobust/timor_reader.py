@@ -1,0 +1,203 @@
+"""Reading of Timor's ``modules.json``: bodies, connectors and joints as the database has them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.errors import FileError
+from modrobust.formats import ListNode, MapNode, Node, ScalarNode, Where
+
+Array = NDArray[np.float64]
+
+MAX_BYTES = 1 << 20
+EFFORT = {"revolute": "torque", "continuous": "torque", "prismatic": "force"}
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    id: str
+    mass: Fraction
+    com: tuple[Fraction, ...]
+    tensor: tuple[Fraction, ...]  # xx, xy, xz, yy, yz, zz as written
+    texts: tuple[tuple[str, ...], tuple[str, ...], str]  # com, tensor, mass
+    connectors: tuple[Connector, ...]
+    where: Where
+
+
+@dataclass(frozen=True, eq=False)
+class Connector:
+    id: str
+    pose: Array
+    gender: str
+    type: str
+    size: str
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    id: str
+    parent: str
+    child: str
+    type: str
+    to_joint: Array  # parent body to joint
+    to_child: Array  # joint to child body
+    fields: MapNode
+
+
+def read_database(path: str | Path) -> str:
+    try:
+        if Path(path).exists() and not (Path(path).is_file() or Path(path).is_dir()):
+            raise FileError(path, "is a pipe or a device; expected a file; save it as one")
+        with Path(path).open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+        text = data.decode("utf-8")
+    except OSError as error:
+        reason = (error.strerror or "unknown reason").lower()
+        raise FileError(path, f"cannot be read: {reason}; check the path") from None
+    except UnicodeDecodeError:
+        raise FileError(path, "not UTF-8 text; give Timor's modules.json") from None
+    if len(data) > MAX_BYTES:
+        raise FileError(path, "more than 1 MiB; a module database has at most that; split it")
+    # Python writes "no limit" so, which JSON does not know.
+    return re.sub(r"(?<=[\s:\[,])-?Infinity\b", "null", text)
+
+
+def read_bodies(node: Node, name: str) -> dict[str, Body]:
+    found: dict[str, Body] = {}
+    for index, entry in enumerate(members(member(node, "bodies", name), f"{name}.bodies")):
+        field = f"{name}.bodies[{index}]"
+        body = _body(entry, field)
+        if body.id in found:
+            raise entry.where.error(field, f'a second body with the ID "{body.id}"')
+        found[body.id] = body
+    return found
+
+
+def _body(node: Node, field: str) -> Body:
+    com = _numbers(member(node, "r_com", field), 3, f"{field}.r_com")
+    rows = [
+        _numbers(row, 3, f"{field}.inertia")
+        for row in members(member(node, "inertia", field), f"{field}.inertia", 3)
+    ]
+    if any(Fraction(rows[i][j]) != Fraction(rows[j][i]) for i, j in ((0, 1), (0, 2), (1, 2))):
+        raise node.where.error(f"{field}.inertia", "the tensor is not symmetric; correct it")
+    six = (rows[0][0], rows[0][1], rows[0][2], rows[1][1], rows[1][2], rows[2][2])
+    mass = _number(member(node, "mass", field), f"{field}.mass")
+    connectors = optional_member(node, "connectors")
+    nodes = [] if connectors is None else members(connectors, f"{field}.connectors")
+    return Body(
+        text_of(node, "ID", field),
+        Fraction(mass),
+        tuple(Fraction(text) for text in com),
+        tuple(Fraction(text) for text in six),
+        (tuple(com), six, mass),
+        tuple(_read_connector(c, f"{field}.connectors[{i}]") for i, c in enumerate(nodes)),
+        node.where,
+    )
+
+
+def _read_connector(node: Node, field: str) -> Connector:
+    size = optional_member(node, "size")
+    gender = text_of(node, "gender", field)
+    known = {"f": "f", "female": "f", "m": "m", "male": "m", "h": "n", "hermaphroditic": "n"}
+    if gender not in known:
+        raise node.where.error(f"{field}.gender", f'"{gender}" is none of {", ".join(known)}')
+    return Connector(
+        text_of(node, "ID", field),
+        _pose(member(node, "pose", field), f"{field}.pose"),
+        known[gender],
+        text_of(node, "type", field),
+        "x".join(texts_of(size)) if size is not None else "",
+    )
+
+
+def read_joints(node: Node, name: str, bodies: dict[str, Body]) -> list[Joint]:
+    found = []
+    for index, entry in enumerate(members(member(node, "joints", name), f"{name}.joints")):
+        field = f"{name}.joints[{index}]"
+        ends = [text_of(entry, key, field) for key in ("parent", "child")]
+        for end in ends:
+            if end not in bodies:
+                raise entry.where.error(field, f'no body with the ID "{end}"; correct it')
+        kind = text_of(entry, "type", field)
+        passive = optional_member(entry, "passive")
+        if kind not in EFFORT or (isinstance(passive, ScalarNode) and passive.text == "true"):
+            raise entry.where.error(
+                field,
+                f"a {'passive ' if kind in EFFORT else ''}{kind} joint; joints are driven and "
+                f"one of {', '.join(EFFORT)}",
+            )
+        assert isinstance(entry, MapNode)
+        poses = [_pose(member(entry, key, field), field) for key in ("poseParent", "poseChild")]
+        found.append(
+            Joint(text_of(entry, "ID", field), ends[0], ends[1], kind, poses[0], poses[1], entry)
+        )
+    return found
+
+
+def member(node: Node, key: str, field: str) -> Node:
+    if isinstance(node, MapNode) and key in node.entries:
+        return node.entries[key]
+    raise node.where.error(field, f'no "{key}"; a Timor module database has it')
+
+
+def optional_member(node: Node, key: str) -> Node | None:
+    return node.entries.get(key) if isinstance(node, MapNode) else None
+
+
+def members(node: Node, field: str, length: int | None = None) -> Sequence[Node]:
+    if not isinstance(node, ListNode) or length not in (None, len(node.items)):
+        wanted = "a list" if length is None else f"a list of {length}"
+        raise node.where.error(field, f"not {wanted}; a Timor module database has one there")
+    return node.items
+
+
+def text_of(node: Node, key: str, field: str) -> str:
+    entry = member(node, key, field)
+    if not isinstance(entry, ScalarNode):
+        raise entry.where.error(f"{field}.{key}", "not a text; a Timor module database has one")
+    return entry.text
+
+
+def texts_of(node: Node) -> list[str]:
+    items = node.items if isinstance(node, ListNode) else (node,)
+    return [item.text for item in items if isinstance(item, ScalarNode)]
+
+
+def _number(node: Node, field: str) -> str:
+    text = node.text if isinstance(node, ScalarNode) else ""
+    if not re.fullmatch(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]{1,3})?", text):
+        raise node.where.error(field, f'"{text[:60]}" is not a finite number; correct it')
+    return text
+
+
+def finite(node: Node | None) -> str | None:
+    """A number as written; None for none, null and the infinities that stand for no limit."""
+    if not isinstance(node, ScalarNode) or node.text.lower().strip('-+"') in (
+        "null",
+        "inf",
+        "infinity",
+    ):
+        return None
+    return _number(node, "limits")
+
+
+def _numbers(node: Node, length: int, field: str) -> list[str]:
+    return [_number(item, field) for item in members(node, field, length)]
+
+
+def _pose(node: Node, field: str) -> Array:
+    rows = [_numbers(row, 4, field) for row in members(node, field, 4)]
+    matrix = np.array([[float(text) for text in row] for row in rows])
+    turned = matrix[:3, :3]
+    rigid = np.allclose(turned @ turned.T, np.eye(3), atol=1e-6) and np.linalg.det(turned) > 0.0
+    if not rigid or not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
+        raise node.where.error(field, "not a rigid transform; correct it")
+    return matrix
