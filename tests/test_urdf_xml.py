@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import modrobust as mr
+from modrobust import urdf_xml
 from modrobust.errors import InputError
 from urdf_texts import INERTIAL, joint, link, robot, two_links, written
 
@@ -44,6 +45,23 @@ def test_an_external_entity_reads_no_file(tmp_path: Path) -> None:
     path = written(tmp_path, head + two_links().replace("small", "&x;"))
     assert refusal(path) == f'{path}:2: "<!DOCTYPE" {RULE}'
     assert secret.read_text() not in refusal(path)
+
+
+@pytest.mark.parametrize("blanks", [1, 199, 200, 5000])
+@pytest.mark.parametrize("before", ["", "<!-- c -->", "\n\t"])
+def test_blanks_cannot_hide_a_document_type(tmp_path: Path, before: str, blanks: int) -> None:
+    head = before + " " * blanks + '<!DOCTYPE robot [<!ENTITY z "0.3">]>'
+    path = written(tmp_path, head + two_links())
+    assert '"<!DOCTYPE" before the first element' in refusal(path)
+
+
+def test_a_document_type_that_is_not_seen_before_is_seen_after_reading(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(urdf_xml, "_refuse_doctype", lambda text, name: None)
+    for kind in ('[<!ENTITY z "0.3">]', 'SYSTEM "file:///etc/passwd"', ""):
+        path = written(tmp_path, f"<!DOCTYPE robot {kind}>" + two_links())
+        assert refusal(path) == f'{path}: "<!DOCTYPE" {RULE}'
 
 
 def test_an_undeclared_entity_is_refused(tmp_path: Path) -> None:

@@ -102,7 +102,11 @@ def test_a_gif_holds_the_run_in_real_time(run: SimulationResult, tmp_path: Path)
         assert gif.info["duration"] == 100
         first = np.array(gif.convert("RGB"))
         gif.seek(5)
-        assert changed(first, np.array(gif.convert("RGB"))).mean() > 0.003
+        last = np.array(gif.convert("RGB")).astype(int)
+        assert changed(first, last).mean() > 0.003
+        assert (
+            (last - first)[..., 2] - (last - first)[..., 0] > 20
+        ).any()  # a blue trail has grown
     assert parts[-1] == 1.0
     assert [p.name for p in tmp_path.iterdir()] == ["run.gif"]
 

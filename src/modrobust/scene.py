@@ -30,6 +30,11 @@ SIZE = (640, 480)  # [pixels], width and height; even, as H.264 demands
 _FONT = 100  # the scale of texts, of which there are none [%]
 _ROUND = {"numslices": "16", "numstacks": "8"}  # software OpenGL pays for every facet
 _WAS, _WANTED = (0.95, 0.45, 0.1, 0.9), (0.1, 0.4, 0.9, 0.25)
+TRAIL_COLOURS = [  # of the trails over a grey floor, thick and thin, 0 to 255
+    tuple(round(255 * (share * part + (1.0 - share) * 0.5)) for part in colour[:3])
+    for colour in (_WAS, _WANTED)
+    for share in (1.0, 0.5, 0.25)
+]
 
 
 class Scene:

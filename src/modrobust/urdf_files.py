@@ -18,6 +18,7 @@ _FRAMES = ("when ", "included from", "in file", "instantiated from")  # of its m
 # In a process of its own, so that macros without end cost neither our time nor our memory.
 _EXPAND = (
     "import resource, sys; resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30)); "
+    "resource.setrlimit(resource.RLIMIT_CPU, (10, 10)); "
     "import xacro; xacro.main()"
 )
 

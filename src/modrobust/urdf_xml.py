@@ -119,6 +119,9 @@ def parse_xml(data: bytes, name: str) -> Element:
             "",
             f"not XML: {problem}; correct the file; nothing is guessed or recovered",
         ) from None
+    info = root.getroottree().docinfo
+    if info.doctype or info.internalDTD is not None:  # whatever slipped past the check above
+        raise _doctype(name, None, "<!DOCTYPE")
     return _tree(root, name)
 
 
@@ -173,18 +176,21 @@ def _refuse_doctype(text: str, name: str) -> None:
     position = 0
     while match := _PROLOG.match(text, position):
         position = match.end()
-    rest = text[position : position + 200].lstrip()
-    if rest.startswith("<!"):
-        skipped = len(text[position:]) - len(text[position:].lstrip())
-        line = text.count("\n", 0, position + skipped) + 1
-        raise DescriptionError(
-            name,
-            line,
-            "",
-            f"{shown(rest.split()[0], 20)} before the first element; document types and entities "
-            "are not allowed, because they can expand without end and read other files; "
-            "remove the declaration and write the values out",
-        )
+    position += len(text) - position - len(text[position:].lstrip())
+    if text.startswith("<!", position):
+        found = text[position : position + 40].split()[0]
+        raise _doctype(name, text.count("\n", 0, position) + 1, found)
+
+
+def _doctype(name: str, line: int | None, found: str) -> DescriptionError:
+    return DescriptionError(
+        name,
+        line,
+        "",
+        f"{shown(found, 20)} before the first element; document types and entities "
+        "are not allowed, because they can expand without end and read other files; "
+        "remove the declaration and write the values out",
+    )
 
 
 def _tree(root: Any, name: str) -> Element:

@@ -19,7 +19,7 @@ from modrobust.errors import FileError, ValueRangeError
 from modrobust.files import check_writable, replacing
 from modrobust.plants import engine
 from modrobust.result import SimulationResult
-from modrobust.scene import SIZE, Picture, Scene, offscreen
+from modrobust.scene import SIZE, TRAIL_COLOURS, Picture, Scene, offscreen
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
@@ -123,12 +123,16 @@ def _pictures(
 
 def _write_gif(part: Path, pictures: Iterator[Picture], rate: float) -> None:
     image: Any = engine("PIL.Image", "video", "video")
-    frames, palette = [], None
-    for picture in pictures:
-        frame = image.fromarray(picture)
-        if palette is None:  # one for all, or colours flicker
-            palette = frame.quantize(128, dither=image.Dither.NONE)
-        frames.append(frame.quantize(palette=palette, dither=image.Dither.NONE))
+    shown = list(pictures)
+    # One palette for all, or colours flicker; the trails, which grow from nothing, count in it.
+    height, width = shown[0].shape[:2]
+    trails = [np.full((height, width // 16, 3), colour, np.uint8) for colour in TRAIL_COLOURS]
+    sample = image.fromarray(np.concatenate([shown[0], shown[-1], *trails], axis=1))
+    palette = sample.quantize(128, dither=image.Dither.NONE)
+    frames = [
+        image.fromarray(picture).quantize(palette=palette, dither=image.Dither.NONE)
+        for picture in shown
+    ]
     milliseconds = round(1000.0 / rate)
     frames[0].save(
         part,
