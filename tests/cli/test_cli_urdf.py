@@ -69,6 +69,10 @@ def test_bad_urdfs_and_options_exit_with_2_and_one_message(run, tmp_path: Path) 
             '--lock: "grip" is no JOINT=VALUE; write e.g. --lock finger_joint=0.02',
         ),
         (
+            ("arm.urdf", "--lock", "grip=1", "--lock", "grip=2"),
+            "--lock: grip is locked twice; give one value",
+        ),
+        (
             ("arm.urdf", "--tip", "tol"),
             '--tip: tip_link: no link named "tol"; did you mean "tool"? known: base, a, b, tool, '
             "finger",

@@ -121,6 +121,8 @@ def robot(
             raise ValueRangeError(
                 f'--lock: "{text[:60]}" is no JOINT=VALUE; write e.g. --lock finger_joint=0.02'
             )
+        if name.strip() in locked:
+            raise ValueRangeError(f"--lock: {name.strip()} is locked twice; give one value")
         locked[name.strip()] = value.strip()
     loaded = load_robot(file, base=base, tip=tip, lock=locked, tolerance=tolerance, payload=payload)
     if say_exact and bool((loaded.lower.packed == loaded.upper.packed).all()):
