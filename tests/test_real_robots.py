@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+import xacro
 from numpy.typing import NDArray
 
 import modrobust as mr
@@ -35,7 +36,11 @@ LOADED = {
     "pybullet": {
         "kuka_iiwa/model": 7, "kuka_iiwa/model_vr_limits": 7, "kuka_iiwa/model_for_sdf": 7,
     },
-    "rtb-data": {"kr120r2500pro": 6, "kr16_2": 6, "kr210l150": 6},
+    "rtb-data": {
+        "kr120r2500pro": 6, "kr16_2": 6, "kr210l150": 6,
+        "px100": 6, "px150": 7, "rx150": 7, "rx200": 7, "vx250": 7, "vx300": 7, "vx300s": 8,
+        "wx200": 7, "wx250": 7, "wx250s": 8,
+    },
 }  # fmt: skip
 FLAGGED = {
     ("example-robot-data", "so101"): "link gripper_frame_link: taken as a point mass",
@@ -43,6 +48,8 @@ FLAGGED = {
     ("example-robot-data", "baxter"): "link right_gripper: taken as a point mass",
     ("pybullet", "kuka_iiwa/model"): "link lbr_iiwa_link_0, mass: left out, since it does not move",
     ("rtb-data", "kr16_2"): "joint joint_a1: effort limit of 0 taken as not given",
+    ("rtb-data", "px100"): "link /fingers_link: 0.001 kg with a radius of gyration of 1.22 m: a "
+    "placeholder?",
 }
 REFUSED = {
     ("example-robot-data", "pr2"): "link sensor_mount_link, inertia: principal moments 0.001, "
@@ -66,19 +73,33 @@ REFUSED = {
     ("rtb-data", "lbr_iiwa_14_r820"): "no link that moves has mass: a file for pictures",
     ("rtb-data", "puma560_robot"): "no link that moves has mass: a file for pictures",
     ("rtb-data", "al5d_robot"): "joint j4: nothing behind it has inertia about its axis",
+    **{
+        ("rtb-data", name): "no link that moves has mass: a file for pictures"
+        for name in ("pxxls", "vxxmd", "vxxms", "wxxmd", "wxxms")
+    },
 }
 
 
 def located(package: str, name: str) -> Path:
-    """The URDF of a package whose path ends so."""
+    """The URDF of a package whose path ends so; else the xacro file."""
     try:
         files = importlib.metadata.files(package) or []
     except importlib.metadata.PackageNotFoundError:
         pytest.skip(f"{package} is not installed")
-    found = sorted({str(f.locate()) for f in files if str(f).endswith(f"/{name}.urdf")})
-    if not found:
-        pytest.skip(f"{package} of this version holds no {name}.urdf")
-    return Path(found[0])
+    for end in (f"/{name}.urdf", f"/{name}.urdf.xacro"):
+        found = sorted({str(f.locate()) for f in files if str(f).endswith(end)})
+        if found:
+            return Path(found[0])
+    pytest.skip(f"{package} of this version holds no {name}.urdf")
+
+
+def for_pinocchio(path: Path, folder: Path) -> Path:
+    """The file itself, or what the package xacro makes of it: Pinocchio reads no xacro."""
+    if path.suffix != ".xacro":
+        return path
+    expanded = folder / path.stem
+    expanded.write_text(xacro.process_file(str(path)).toxml(), encoding="utf-8")
+    return expanded
 
 
 def spread(arm: mr.Robot) -> tuple[tuple[str, ...], Array]:
@@ -94,18 +115,21 @@ def spread(arm: mr.Robot) -> tuple[tuple[str, ...], Array]:
 @pytest.mark.parametrize(
     ("package", "name"), [(package, name) for package, names in LOADED.items() for name in names]
 )
-def test_a_real_robot_has_the_dynamics_that_pinocchio_reads(package: str, name: str) -> None:
+def test_a_real_robot_has_the_dynamics_that_pinocchio_reads(
+    package: str, name: str, tmp_path: Path
+) -> None:
     path = located(package, name)
     arm = mr.load_robot(path)
     assert arm.n == LOADED[package][name]
     if (package, name) in FLAGGED:
         assert any(note.startswith(FLAGGED[package, name]) for note in arm.notes), arm.notes
     names, G = spread(arm)
+    plain = for_pinocchio(path, tmp_path)
     rng = np.random.default_rng(SEED)
     rest = np.zeros(arm.n)
     for _ in range(STATES):
         q, dq, ddq = rng.uniform(-1.5, 1.5, (3, arm.n))
-        tau, g, M = pinocchio_terms(path, names, arm.all_positions(q), G @ dq, G @ ddq, {})
+        tau, g, M = pinocchio_terms(plain, names, arm.all_positions(q), G @ dq, G @ ddq, {})
         pairs = (
             (mr.inverse_dynamics(arm, q, dq, dq, ddq, drives=False), G.T @ tau),
             (mr.inverse_dynamics(arm, q, rest, rest, rest, drives=False), G.T @ g),

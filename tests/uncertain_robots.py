@@ -28,20 +28,21 @@ SEED = 1
 def with_uncertainty(urdf: Path, folder: Path) -> mr.Robot:
     """The robot of a URDF with tolerances and rotor inertias laid over it, through a file."""
     plain = mr.load_robot(urdf)
-    file = folder / f"{urdf.stem}.json"
+    name = urdf.name.partition(".")[0]  # of NAME.urdf and of NAME.urdf.xacro
+    file = folder / f"{name}.json"
     overlay = {
         "modrobust": 1,
-        "robot": urdf.stem,
+        "robot": name,
         "urdf": str(urdf),
         "tolerance": TOLERANCE,
         "joints": {
-            name: {
+            joint: {
                 "drive": {
                     "gear_ratio": "1" if kind == "revolute" else "1 rad/m",
                     "rotor_inertia": f"{REFLECTED} kg m^2",
                 }
             }
-            for name, kind in zip(plain.joint_names, plain.joint_types, strict=False)
+            for joint, kind in zip(plain.joint_names, plain.joint_types, strict=False)
         },
     }
     file.write_text(json.dumps(overlay), encoding="utf-8")
