@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-import xacro
+import xacro  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 import modrobust as mr
