@@ -143,19 +143,12 @@ class RobustController:
 
         On an error the integrators are as they were: the next command can follow.
         """
-        shape, owner = (self.robot.n,), self._owner
         time = as_number("t", t, "s")
         if not math.isfinite(time):
             raise ValueRangeError(f"t: {time:g} s; must be finite")
+        signals = self._signals((), q=q, dq=dq, q_des=q_des, dq_des=dq_des, ddq_des=ddq_des)
         try:
-            out = self.kernel.command(
-                time,
-                as_array("q", q, shape, owner),
-                as_array("dq", dq, shape, owner),
-                as_array("q_des", q_des, shape, owner),
-                as_array("dq_des", dq_des, shape, owner),
-                as_array("ddq_des", ddq_des, shape, owner),
-            )
+            out = self.kernel.command(time, *signals)
         except _kernel.KernelError as problem:
             raise status_error(problem) from None
         tau, nominal, v, phi_lo, phi_hi, rho = out
@@ -190,22 +183,17 @@ class RobustController:
         ``t`` is ``(k,)``, the others ``(k, n)``.
         """
         instants = as_array("t", t, np.shape(t)[:1] or (1,), "one entry a command")
-        shape, owner = (len(instants), self.robot.n), self._owner
+        rows = (len(instants),)
+        signals = self._signals(rows, q=q, dq=dq, q_des=q_des, dq_des=dq_des, ddq_des=ddq_des)
         try:
-            return self.kernel.time_commands(
-                instants,
-                as_array("q", q, shape, owner),
-                as_array("dq", dq, shape, owner),
-                as_array("q_des", q_des, shape, owner),
-                as_array("dq_des", dq_des, shape, owner),
-                as_array("ddq_des", ddq_des, shape, owner),
-            )
+            return self.kernel.time_commands(instants, *signals)
         except _kernel.KernelError as problem:
             raise status_error(problem) from None
 
-    @property
-    def _owner(self) -> str:
-        return f'robot "{self.robot.name}" has {self.robot.n} joints'
+    def _signals(self, rows: tuple[int, ...], **named: ArrayLike) -> list[Array]:
+        shape = (*rows, self.robot.n)
+        owner = f'robot "{self.robot.name}" has {self.robot.n} joints'
+        return [as_array(name, value, shape, owner) for name, value in named.items()]
 
 
 def _known(name: str, value: str, known: Mapping[str, int]) -> str:

@@ -18,7 +18,6 @@ from modrobust.formats.number import NumberError, parse_number
 from modrobust.formats.structure import unknown_key
 from modrobust.formats.units import DIMENSIONS, Dimension
 
-ZERO = Enclosure(Fraction(0), Fraction(0))
 _PLUS_MINUS = re.compile(r"±|\+/-|\+-")
 _BOUND_KEYS = ("nominal", "lo", "hi")
 

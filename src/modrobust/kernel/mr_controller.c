@@ -1,6 +1,15 @@
 /* Robust control law (3), (4), (7), (8) with the integrators of Section V. */
 #include "mr_internal.h"
 
+void mr_auxiliary(int32_t n, const mr_gains *gains, const double *q, const double *dq,
+                  const double *q_des, const double *dq_des, const double *ddq_des, double *dq_a,
+                  double *ddq_a) {
+    for (int32_t i = 0; i < n; ++i) {
+        dq_a[i] = dq_des[i] + gains->K_r[i] * (q_des[i] - q[i]);
+        ddq_a[i] = ddq_des[i] + gains->K_r[i] * (dq_des[i] - dq[i]);
+    }
+}
+
 mr_status mr_command(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
                      double t, const double *q, const double *dq, const double *q_des,
                      const double *dq_des, const double *ddq_des, double *workspace,
@@ -14,10 +23,9 @@ mr_status mr_command(const mr_model *model, const mr_bounds *bounds, const mr_ga
         return MR_NOT_FINITE;
     if (state->started && t < state->previous_time) return MR_TIME;
 
-    for (int32_t i = 0; i < n; ++i) { /* (4) and its derivative */
+    mr_auxiliary(n, gains, q, dq, q_des, dq_des, ddq_des, ws.dq_a, ws.ddq_a);
+    for (int32_t i = 0; i < n; ++i) {
         const double error = q_des[i] - q[i];
-        ws.dq_a[i] = dq_des[i] + gains->K_r[i] * error;
-        ws.ddq_a[i] = ddq_des[i] + gains->K_r[i] * (dq_des[i] - dq[i]);
         error_squared += error * error;
     }
     const mr_status status =

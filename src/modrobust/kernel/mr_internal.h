@@ -98,6 +98,11 @@ void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const dou
 void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds, const double *dq,
                              const double *ddq_a, double *lo, double *hi);
 
+/* Auxiliary velocity and acceleration (n) of (4). */
+void mr_auxiliary(int32_t n, const mr_gains *gains, const double *q, const double *dq,
+                  const double *q_des, const double *dq_des, const double *ddq_des, double *dq_a,
+                  double *ddq_a);
+
 /* Composite-body mass matrix (n, n) on links whose R, z and p are filled in; M has (j, j) room. */
 void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
                        const mr_link *links, int drives, double *composite, double *M);

@@ -57,9 +57,9 @@ static mr_status log_widths(const mr_model *model, const mr_bounds *bounds, cons
     double *const width[2] = {log->width_hull, log->width_ianea};
     double *lo = a[SPARE_LO], *hi = a[SPARE_HI];
     for (int k = 0; k < 2; ++k) {
-        const mr_status status = mr_perturbation_bounds(
-            model, bounds, method[k], q, dq, a[DQ_A],
-            a[DDQ_A], workspace, a[W], lo, hi);
+        const mr_status status =
+            mr_perturbation_bounds(model, bounds, method[k], q, dq, a[DQ_A], a[DDQ_A], workspace,
+                                   a[W], lo, hi);
         if (status) return status;
         for (int32_t i = 0; i < n; ++i) hi[i] -= lo[i];
         store(n, row, hi, width[k]);
@@ -76,9 +76,8 @@ static mr_status perturbation(const mr_model *model, const mr_parameters *true_p
     const double *tau = a[TAU], *nominal = a[NOMINAL];
     const double *lo = a[PHI_LO], *hi = a[PHI_HI];
     double largest = 0.0, excess = 0.0;
-    const mr_status status =
-        mr_inverse_dynamics(model, true_parameters, q, dq, a[DQ_A],
-                            a[DDQ_A], 1, workspace, w);
+    const mr_status status = mr_inverse_dynamics(model, true_parameters, q, dq, a[DQ_A], a[DDQ_A],
+                                                 1, workspace, w);
     if (status) return status;
     for (int32_t i = 0; i < n; ++i) {
         w[i] = w[i] - nominal[i] - true_disturbance[i];
@@ -124,10 +123,7 @@ mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const 
     double *a[ARRAYS];
     for (int k = 0; k < ARRAYS; ++k)
         a[k] = workspace + mr_dynamics_workspace_size(model) + (size_t)k * (size_t)n;
-    mr_command_out out = {a[TAU],    a[NOMINAL],
-                          a[V],      a[PHI_LO],
-                          a[PHI_HI], a[RHO],
-                          0.0, 0.0, 0.0};
+    mr_command_out out = {a[TAU], a[NOMINAL], a[V], a[PHI_LO], a[PHI_HI], a[RHO], 0.0, 0.0, 0.0};
     *logged = 0;
     for (int32_t k = 0; k < count; ++k) {
         const double t = (double)loop->ticks * loop->dt;
@@ -138,11 +134,8 @@ mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const 
         if (mr_command(model, bounds, gains, t, loop->q, loop->dq, qd, dqd, ddqd, workspace,
                        state, &out))
             return MR_DIVERGED;
-        for (int32_t i = 0; i < n; ++i) {
-            a[DQ_A][i] = dqd[i] + gains->K_r[i] * (qd[i] - loop->q[i]);
-            a[DDQ_A][i] = ddqd[i] + gains->K_r[i] * (dqd[i] - loop->dq[i]);
-            a[DRIVE][i] = out.tau[i] + true_disturbance[i];
-        }
+        mr_auxiliary(n, gains, loop->q, loop->dq, qd, dqd, ddqd, a[DQ_A], a[DDQ_A]);
+        for (int32_t i = 0; i < n; ++i) a[DRIVE][i] = out.tau[i] + true_disturbance[i];
         const int keep = loop->ticks % log_every == 0;
         if (keep && log_widths(model, bounds, loop->q, loop->dq, workspace, a, *logged, log)) {
             *state = before;
