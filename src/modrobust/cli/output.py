@@ -84,6 +84,8 @@ def times(measured: Mapping[str, Mapping[str, float | None]]) -> Table:
 
     statistics = ("mean", "max", "std", "p50", "p99")
     rows = table("", *statistics)
+    for column in rows.columns[1:]:
+        column.min_width = len("0.288 us")  # so that the layout does not change with the times
     for label, values in {**measured, "paper (ianea, 3.5 GHz i7)": PAPER_TIMES}.items():
         rows.add_row(label, *(microseconds(values.get(key)) for key in statistics))
     return rows
