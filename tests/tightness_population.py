@@ -73,6 +73,7 @@ def cases(uncertainty: float, robots: int, seed: int, joints: int | None = None)
         rng = np.random.default_rng([seed, k])
         n = joints or 1 + k % 12
         simple, tree, drives = (bool(flag) for flag in rng.random(3) < (0.25, 0.25, 0.5))
+        simple = simple and n > 1  # one joint along gravity, at rest, asks for no torque to judge by
         robot = random_robot(
             rng, n, simple=simple, tree=tree and not simple, width="exact", drives=drives
         )
