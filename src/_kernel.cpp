@@ -3,14 +3,21 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "modrobust/kernel/mr_kernel.h"
+
+#ifdef MR_WIDE_BATCH  // mr_batch.c, compiled once more for each (CMakeLists.txt)
+extern "C" decltype(mr_inverse_dynamics_bounds_batch) mr_inverse_dynamics_bounds_batch_avx2,
+    mr_inverse_dynamics_bounds_batch_avx512;
+#endif
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -98,6 +105,9 @@ class Model {
         c.multiplier = multipliers.data();
         c.offset = offsets.data();
         std::memcpy(c.gravity, gravity.data(), sizeof c.gravity);
+        folded.resize(mr_folded_size(&c));
+        mr_fold(&c, folded.data());
+        c.folded = folded.data();
     }
     Model(const Model &) = delete;
 
@@ -120,7 +130,7 @@ class Model {
     std::vector<mr_transform> placements;
     Doubles ratios, speeds;
     std::vector<int32_t> leaders;
-    Doubles multipliers, offsets;
+    Doubles multipliers, offsets, folded;
 };
 
 // The known box of parameters and disturbance; borrows the arrays or owns copies of them.
@@ -137,11 +147,15 @@ class Bounds {
         uncertain.resize(static_cast<size_t>(model.c.b));
         c.uncertain_count = mr_find_uncertain(model.c.b, &c.lower, &c.upper, uncertain.data());
         c.uncertain = uncertain.data();
+        prepared.resize(mr_prepared_size(&model.c));
+        mr_prepare(&model.c, &c, prepared.data());
+        c.prepared = prepared.data();
     }
     mr_bounds c{};
 
   private:
     std::vector<int32_t> uncertain;
+    Doubles prepared;
 };
 
 mr_method method_of(int method) {
@@ -178,6 +192,83 @@ Out inverse_dynamics_bounds(const Model &model, const Vec &nominal, const Vec &l
                                      dq_a.data(), ddq_a.data(), drives, workspace.data(),
                                      out.data(), out.data() + model.n()));
     return numpy(std::move(out), {2, model.n()});
+}
+
+using Batch = decltype(&mr_inverse_dynamics_bounds_batch);
+
+// The batch as compiled for the widest registers that this machine has; same bits, less time.
+Batch widest_batch() {
+#ifdef MR_WIDE_BATCH
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512vl"))
+        return mr_inverse_dynamics_bounds_batch_avx512;
+    if (__builtin_cpu_supports("avx2")) return mr_inverse_dynamics_bounds_batch_avx2;
+#endif
+    return mr_inverse_dynamics_bounds_batch;
+}
+
+// A status other than OK raises KernelError(status, row) with the first row that has it.
+Out inverse_dynamics_bounds_batch(const Model &model, const Vec &nominal, const Vec &lower,
+                                  const Vec &upper, const Mat &q, const Mat &dq, const Mat &dq_a,
+                                  const Mat &ddq_a, int method, bool drives, size_t threads) {
+    const size_t n = model.n(), count = q.shape(0);
+    for (const Mat *m : {&q, &dq, &dq_a, &ddq_a})
+        require(m->shape(0) == count && m->shape(1) == n, "states: expected shape (k, n)");
+    require(threads > 0, "threads must be positive");
+    static const Batch batch = widest_batch();
+    const Bounds bounds(model, nominal, lower, upper, nullptr);
+    const mr_method code = method_of(method);
+    // A share is a multiple of the widest register, so that only the last one is padded.
+    const size_t share = (count / threads / 8 + 1) * 8;
+    const size_t parts = (count + share - 1) / share, size = mr_batch_workspace_size(&model.c);
+    Doubles out(2 * count * n), workspace(parts * size);
+    std::vector<mr_status> status(parts, MR_OK);
+    std::vector<int64_t> rows(parts, 0);
+    const auto work = [&](size_t part) {
+        const size_t first = part * share, at = first * n;
+        status[part] = batch(&model.c, &bounds.c, code,
+                             static_cast<int64_t>(std::min(share, count - first)), q.data() + at,
+                             dq.data() + at, dq_a.data() + at, ddq_a.data() + at, drives,
+                             workspace.data() + part * size, out.data() + at,
+                             out.data() + count * n + at, &rows[part]);
+        rows[part] += static_cast<int64_t>(first);
+    };
+    {
+        nb::gil_scoped_release release;
+        std::vector<std::thread> others;
+        for (size_t part = 1; part < parts; ++part) others.emplace_back(work, part);
+        if (parts > 0) work(0);
+        for (std::thread &other : others) other.join();
+    }
+    for (size_t part = 0; part < parts; ++part) {
+        if (status[part] == MR_OK) continue;
+        PyErr_SetObject(kernel_status_type,
+                        nb::make_tuple(static_cast<int>(status[part]), rows[part]).ptr());
+        throw nb::python_error();
+    }
+    return numpy(std::move(out), {2, count, n});
+}
+
+Out inverse_dynamics_rounding(const Model &model, const Vec &parameters, const Vec &q,
+                              const Vec &dq, const Vec &dq_a, const Vec &ddq_a, bool drives) {
+    model.require_parameters(parameters);
+    require_state(model, q, dq, dq_a, ddq_a);
+    const mr_parameters view = mr_parameters_view(&model.c, parameters.data());
+    Doubles workspace(mr_workspace_size(&model.c)), out(2 * model.n());
+    check(mr_inverse_dynamics_rounding(&model.c, &view, q.data(), dq.data(), dq_a.data(),
+                                       ddq_a.data(), drives, workspace.data(), out.data(),
+                                       out.data() + model.n()));
+    return numpy(std::move(out), {2, model.n()});
+}
+
+Out bounds_slack(const Model &model, const Vec &nominal, const Vec &lower, const Vec &upper,
+                 const Vec &q, const Vec &dq, const Vec &dq_a, const Vec &ddq_a, bool drives) {
+    require_state(model, q, dq, dq_a, ddq_a);
+    const Bounds bounds(model, nominal, lower, upper, nullptr);
+    Doubles workspace(mr_workspace_size(&model.c)), out(model.n());
+    check(mr_bounds_slack(&model.c, &bounds.c, q.data(), dq.data(), dq_a.data(), ddq_a.data(),
+                          drives, workspace.data(), out.data()));
+    return numpy(std::move(out), {model.n()});
 }
 
 Out perturbation_bounds(const Model &model, const Vec &nominal, const Vec &lower,
@@ -398,6 +489,10 @@ NB_MODULE(_kernel, m) {
     m.doc() = "The modrobust kernel; see modrobust.dynamics for the checked functions.";
     kernel_status_type =
         PyErr_NewException("modrobust._kernel.KernelError", PyExc_ArithmeticError, nullptr);
+    if (mr_self_test() != MR_OK)
+        throw nb::import_error(
+            "modrobust: this build or machine does not round as the guarantee needs it; rebuild "
+            "with the flags of src/modrobust/kernel/flags.txt and without fast-math");
     m.attr("KernelError") = nb::handle(kernel_status_type);
     m.attr("HULL") = static_cast<int>(MR_HULL);
     m.attr("IANEA") = static_cast<int>(MR_IANEA);
@@ -407,6 +502,7 @@ NB_MODULE(_kernel, m) {
     m.attr("STATUS_SINGULAR") = static_cast<int>(MR_SINGULAR);
     m.attr("STATUS_TIME") = static_cast<int>(MR_TIME);
     m.attr("STATUS_DIVERGED") = static_cast<int>(MR_DIVERGED);
+    m.attr("STATUS_PLATFORM") = static_cast<int>(MR_PLATFORM);
     m.attr("ANGLE_MAX") = MR_ANGLE_MAX;
 
     nb::class_<Model>(m, "Model")
@@ -424,6 +520,13 @@ NB_MODULE(_kernel, m) {
           "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("inverse_dynamics_bounds", &inverse_dynamics_bounds, "model"_a, "nominal"_a, "lower"_a,
           "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "method"_a, "drives"_a);
+    m.def("inverse_dynamics_bounds_batch", &inverse_dynamics_bounds_batch, "model"_a,
+          "nominal"_a, "lower"_a, "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "method"_a,
+          "drives"_a, "threads"_a);
+    m.def("inverse_dynamics_rounding", &inverse_dynamics_rounding, "model"_a, "parameters"_a,
+          "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "drives"_a);
+    m.def("bounds_slack", &bounds_slack, "model"_a, "nominal"_a, "lower"_a, "upper"_a, "q"_a,
+          "dq"_a, "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("perturbation_bounds", &perturbation_bounds, "model"_a, "nominal"_a, "lower"_a,
           "upper"_a, "disturbance"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "method"_a);
     m.def("mass_matrix", &mass_matrix, "model"_a, "parameters"_a, "q"_a, "drives"_a);

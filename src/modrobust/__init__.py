@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         forward_kinematics,
         inverse_dynamics,
         inverse_dynamics_bounds,
+        inverse_dynamics_bounds_batch,
         mass_matrix,
         perturbation_bounds,
     )
@@ -39,6 +40,7 @@ __all__ = [
     "forward_kinematics",
     "inverse_dynamics",
     "inverse_dynamics_bounds",
+    "inverse_dynamics_bounds_batch",
     "load_robot",
     "mass_matrix",
     "perturbation_bounds",

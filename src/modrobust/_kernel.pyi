@@ -19,6 +19,7 @@ STATUS_ANGLE_RANGE: int
 STATUS_SINGULAR: int
 STATUS_TIME: int
 STATUS_DIVERGED: int
+STATUS_PLATFORM: int
 ANGLE_MAX: float
 
 class KernelError(ArithmeticError): ...
@@ -66,6 +67,45 @@ def inverse_dynamics_bounds(
     method: int,
     drives: bool,
 ) -> _Array: ...
+def inverse_dynamics_bounds_batch(
+    model: Model,
+    nominal: _Array,
+    lower: _Array,
+    upper: _Array,
+    q: _Array,
+    dq: _Array,
+    dq_a: _Array,
+    ddq_a: _Array,
+    method: int,
+    drives: bool,
+    threads: int,
+) -> _Array:
+    """(2, k, n); `KernelError` has the status and the first row that has it."""
+
+def inverse_dynamics_rounding(
+    model: Model,
+    parameters: _Array,
+    q: _Array,
+    dq: _Array,
+    dq_a: _Array,
+    ddq_a: _Array,
+    drives: bool,
+) -> _Array:
+    """Rows tau and a bound of its rounding error, (26)."""
+
+def bounds_slack(
+    model: Model,
+    nominal: _Array,
+    lower: _Array,
+    upper: _Array,
+    q: _Array,
+    dq: _Array,
+    dq_a: _Array,
+    ddq_a: _Array,
+    drives: bool,
+) -> _Array:
+    """What rounding may add to either end of the hull (n), (26)."""
+
 def perturbation_bounds(
     model: Model,
     nominal: _Array,

@@ -6,13 +6,15 @@ radians; entries of prismatic joints in metres and newtons.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
-from modrobust.arrays import as_array
+from modrobust.arguments import as_integer
+from modrobust.arrays import as_array, as_real
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import method_code, status_error
 from modrobust.robot import Parameters, Robot, check_robot
@@ -56,7 +58,7 @@ def inverse_dynamics(
     Source: Algorithm 1 of Giusti and Althoff 2017; kernel twin ``mr_inverse_dynamics``.
     """
     state = _vectors(robot, q=q, dq=dq, dq_a=dq_a, ddq_a=ddq_a)
-    return _run(_kernel.inverse_dynamics, robot.model, _packed(robot, parameters), *state, drives)
+    return _run(_kernel.inverse_dynamics, robot.model, _packed(robot, parameters), state, drives)
 
 
 def inverse_dynamics_bounds(
@@ -95,10 +97,60 @@ def inverse_dynamics_bounds(
     lo, hi = _run(
         _kernel.inverse_dynamics_bounds,
         robot.model,
-        *_box(robot),
-        *state,
+        _box(robot),
+        state,
         method_code(method),
         drives,
+    )
+    return lo, hi
+
+
+def inverse_dynamics_bounds_batch(
+    robot: Robot,
+    Q: ArrayLike,
+    dQ: ArrayLike,
+    dQ_a: ArrayLike,
+    ddQ_a: ArrayLike,
+    method: str = "hull",
+    drives: bool = True,
+    threads: int | None = None,
+) -> tuple[Array, Array]:
+    r"""`inverse_dynamics_bounds` for k states at once, bit for bit, in vector registers.
+
+    Args:
+        robot: Robot with n joints.
+        Q: Joint positions (k, n) [rad].
+        dQ: Joint velocities (k, n) [rad/s].
+        dQ_a: Auxiliary velocities (k, n) [rad/s].
+        ddQ_a: Auxiliary accelerations (k, n) [rad/s^2].
+        method: "hull" or "ianea".
+        drives: Whether friction (20) and reflected rotor inertia (21) are included.
+        threads: Number of threads; None = one for each processor this process may use.
+
+    Returns:
+        Lower and upper bounds (k, n), (k, n) [N m].
+
+    Raises:
+        ShapeError: An array does not have n columns, or not k rows as `Q`.
+        ValueRangeError: An entry is not finite, an angle is beyond 1e5 rad, a result overflows
+            (the message has its row), or an unknown method.
+
+    Source: (17) to (19); kernel twin ``mr_inverse_dynamics_bounds_batch``.
+    """
+    check_robot(robot)
+    owner = f'robot "{robot.name}" has {robot.n} joints'
+    rows = as_real("Q", Q, "k rows of numbers").shape[:1] or (0,)
+    names = {"Q": Q, "dQ": dQ, "dQ_a": dQ_a, "ddQ_a": ddQ_a}
+    given = {name: as_array(name, value, (*rows, robot.n), owner) for name, value in names.items()}
+    count = _processors() if threads is None else as_integer("threads", threads, 1)
+    lo, hi = _run(
+        _kernel.inverse_dynamics_bounds_batch,
+        robot.model,
+        _box(robot),
+        given,
+        method_code(method),
+        drives,
+        count,
     )
     return lo, hi
 
@@ -139,9 +191,8 @@ def perturbation_bounds(
     lo, hi = _run(
         _kernel.perturbation_bounds,
         robot.model,
-        *_box(robot),
-        disturbance,
-        *state,
+        (*_box(robot), disturbance),
+        state,
         method_code(method),
     )
     return lo, hi
@@ -167,8 +218,8 @@ def mass_matrix(
 
     Source: composite rigid bodies (Walker and Orin 1982); kernel twin ``mr_mass_matrix``.
     """
-    (position,) = _vectors(robot, q=q)
-    return _run(_kernel.mass_matrix, robot.model, _packed(robot, parameters), position, drives)
+    state = _vectors(robot, q=q)
+    return _run(_kernel.mass_matrix, robot.model, _packed(robot, parameters), state, drives)
 
 
 def forward_dynamics(
@@ -202,7 +253,7 @@ def forward_dynamics(
     Source: kernel twin ``mr_forward_dynamics``.
     """
     state = _vectors(robot, q=q, dq=dq, tau=tau)
-    return _run(_kernel.forward_dynamics, robot.model, _packed(robot, parameters), *state, drives)
+    return _run(_kernel.forward_dynamics, robot.model, _packed(robot, parameters), state, drives)
 
 
 def forward_kinematics(robot: Robot, q: ArrayLike) -> Array:
@@ -221,19 +272,18 @@ def forward_kinematics(robot: Robot, q: ArrayLike) -> Array:
 
     Source: kernel twin ``mr_forward_kinematics``.
     """
-    (position,) = _vectors(robot, q=q)
-    return _run(_kernel.forward_kinematics, robot.model, position)
+    return _run(_kernel.forward_kinematics, robot.model, (), _vectors(robot, q=q))
 
 
-def _vectors(robot: Robot, **named: ArrayLike) -> list[Array]:
+def _vectors(robot: Robot, **named: ArrayLike) -> dict[str, Array]:
     check_robot(robot)
     owner = f'robot "{robot.name}" has {robot.n} joints'
-    return [as_array(name, value, (robot.n,), owner) for name, value in named.items()]
+    return {name: as_array(name, value, (robot.n,), owner) for name, value in named.items()}
 
 
-def _packed(robot: Robot, parameters: Parameters | None) -> Array:
+def _packed(robot: Robot, parameters: Parameters | None) -> tuple[Array]:
     if parameters is None:
-        return robot.nominal.packed
+        return (robot.nominal.packed,)
     if not isinstance(parameters, Parameters):
         raise ValueRangeError(
             f"parameters: expected Parameters or None, got {type(parameters).__name__}; such as "
@@ -245,15 +295,28 @@ def _packed(robot: Robot, parameters: Parameters | None) -> Array:
             f"parameters: made for {shapes[0][0]} bodies and {shapes[1][0]} joints;"
             f' robot "{robot.name}" has {robot.b} and {robot.j}'
         )
-    return parameters.packed
+    return (parameters.packed,)
+
+
+def _processors() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def _box(robot: Robot) -> tuple[Array, Array, Array]:
     return robot.nominal.packed, robot.lower.packed, robot.upper.packed
 
 
-def _run(function: Callable[..., Array], *arguments: object) -> Array:
+def _run(
+    function: Callable[..., Array],
+    model: _kernel.Model,
+    parameters: tuple[Array, ...],
+    given: dict[str, Array],
+    *options: object,
+) -> Array:
+    """Calls the kernel; an error names the argument that is to blame."""
     try:
-        return function(*arguments)
+        return function(model, *parameters, *given.values(), *options)
     except _kernel.KernelError as problem:
-        raise status_error(problem) from None
+        raise status_error(problem, given) from None

@@ -157,14 +157,16 @@ class Robot:
     def model(self) -> _kernel.Model:
         """The kernel's view of the geometry, made once.
 
-        The kernel works in the base frame, so gravity is turned there: base' g.
+        The kernel works in the base frame, so gravity is turned there: base' g, summed in order,
+        so that it has the same bits on every machine.
         """
+        x, y, z = (row * g for row, g in zip(self.base[:3, :3], self.gravity, strict=True))
         return _kernel.Model(
             np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.int32),
             self.parents,
             self.before,
             self.after,
-            np.ascontiguousarray(self.base[:3, :3].T @ self.gravity),
+            x + y + z,
             self.body_joints,
             self.placement,
             self.gear_ratio,

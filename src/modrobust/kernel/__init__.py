@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
 from modrobust import _kernel
 from modrobust.errors import (
     DivergenceError,
@@ -24,12 +29,20 @@ def method_code(method: str) -> int:
         raise ValueRangeError(f"method: {method!r} is not known; known: {known}") from None
 
 
-def status_error(problem: _kernel.KernelError) -> ModrobustError:
-    """The exception that a kernel status stands for; raise it ``from None``."""
+def status_error(
+    problem: _kernel.KernelError, given: Mapping[str, NDArray[np.float64]] | None = None
+) -> ModrobustError:
+    """The exception that a kernel status stands for; raise it ``from None``.
+
+    Args:
+        problem: What the kernel raised.
+        given: The arguments by name, positions first, so that the message can point at one.
+    """
     status = problem.args[0]
     if status == _kernel.STATUS_ANGLE_RANGE:
         return ValueRangeError(
-            f"q: a joint angle is beyond {_kernel.ANGLE_MAX:g} rad; reduce it by whole turns"
+            f"{_largest(dict(list((given or {}).items())[:1])) or 'q'}: a joint angle is beyond "
+            f"{_kernel.ANGLE_MAX:g} rad; reduce it by whole turns"
         )
     if status == _kernel.STATUS_SINGULAR:
         return SingularMassMatrixError(
@@ -39,4 +52,19 @@ def status_error(problem: _kernel.KernelError) -> ModrobustError:
         return TimeOrderError("t went backwards since the last command; call reset() to start anew")
     if status == _kernel.STATUS_DIVERGED:
         return DivergenceError("the closed loop left the range that can be computed")
-    return ValueRangeError("the result is not finite; the inputs are too large")
+    where = _largest(given or {})
+    largest = f"{where} is the largest input; " if where else ""
+    return ValueRangeError(f"{largest}the result is not finite; the inputs are too large")
+
+
+def _largest(given: Mapping[str, NDArray[np.float64]]) -> str:
+    """Name, index and value of the largest entry of all, such as "dq[2] = 1e+200"."""
+    entries = [
+        (float(np.abs(array).max()), name, np.unravel_index(np.abs(array).argmax(), array.shape))
+        for name, array in given.items()
+        if array.size
+    ]
+    if not entries:
+        return ""
+    _, name, index = max(entries, key=lambda entry: entry[0])
+    return f"{name}{''.join(f'[{i}]' for i in index)} = {given[name][index]:g}"

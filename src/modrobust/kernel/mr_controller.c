@@ -10,16 +10,16 @@ void mr_auxiliary(int32_t n, const mr_gains *gains, const double *q, const doubl
     }
 }
 
-mr_status mr_command(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
-                     double t, const double *q, const double *dq, const double *q_des,
-                     const double *dq_des, const double *ddq_des, double *workspace,
-                     mr_controller_state *state, mr_command_out *out) {
+mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
+                        double t, const double *q, const double *dq, const double *q_des,
+                        const double *dq_des, const double *ddq_des, double *workspace,
+                        mr_controller_state *state, mr_command_out *out) {
     const int32_t n = model->n;
     mr_workspace ws = mr_workspace_view(model, workspace);
     double error_squared = 0.0, rho_squared = 0.0;
     if (!isfinite(t)) return MR_NOT_FINITE;
-    if (mr_check_vector(n, q) || mr_check_vector(n, dq) || mr_check_vector(n, q_des) ||
-        mr_check_vector(n, dq_des) || mr_check_vector(n, ddq_des))
+    if (!mr_all_finite(n, q) || !mr_all_finite(n, dq) || !mr_all_finite(n, q_des) ||
+        !mr_all_finite(n, dq_des) || !mr_all_finite(n, ddq_des))
         return MR_NOT_FINITE;
     if (state->started && t < state->previous_time) return MR_TIME;
 
@@ -29,14 +29,16 @@ mr_status mr_command(const mr_model *model, const mr_bounds *bounds, const mr_ga
         error_squared += error * error;
     }
     const mr_status status =
-        mr_perturbation_bounds(model, bounds, gains->method, q, dq, ws.dq_a, ws.ddq_a, workspace,
-                               ws.mid, ws.lo, ws.hi);
+        mr_do_perturbation_bounds(model, bounds, gains->method, q, dq, ws.dq_a, ws.ddq_a,
+                                  workspace, ws.mid, ws.lo, ws.hi);
     if (status) return status;
     for (int32_t i = 0; i < n; ++i) { /* (8) */
         const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]), rho = a > b ? a : b;
         rho_squared += rho * rho;
     }
-    const double error = sqrt(error_squared), rho_norm = sqrt(rho_squared);
+    const double error = sqrt(error_squared);
+    /* rounded up, underflow of the squares included */
+    const double rho_norm = sqrt(rho_squared + 0x1p-1000) * (1.0 + (n + 4) * 0x1p-52);
     const double elapsed = state->started ? t - state->previous_time : 0.0;
     const double integral = state->integral + state->previous_f * elapsed;
     const double kappa = gains->kappa_P + gains->kappa_I * integral;

@@ -1,77 +1,131 @@
 /* IANEA*: Algorithm 1 of the paper from line 23 on, several bodies a link. Line numbers at right.
  *
- * Rounding is to nearest and not yet enclosed: see docs/guarantees.md. */
+ * Every interval operation encloses its rounding. The motion, the rotations and the levers are
+ * real numbers with an error of their own: boxes are widened by it, (27). */
 #include "mr_internal.h"
+#include "mr_rounding.h"
 
-static void body_wrench(const mr_model *model, const mr_parameters *lower,
-                        const mr_parameters *upper, const mr_link *links, int32_t b,
-                        mr_wrench_box *out) {
+static void widen(MR_REAL radius, mr_interval x[3]) {
+    for (int k = 0; k < 3; ++k) x[k] = mr_i_widen(x[k], radius);
+}
+
+/* out = R [x] for a rotation R that is known up to `error` in the Frobenius norm. */
+static void rotate_box(const MR_REAL R[9], MR_REAL error, const mr_interval x[3],
+                       mr_interval out[3]) {
+    for (int k = 0; k < 3; ++k) out[k] = mr_i_dot(R[3 * k], R[3 * k + 1], R[3 * k + 2], x);
+    widen(error * mr_i_norm(x), out);
+}
+
+/* moment += lever (x) [force] for a lever that is known up to `error`. */
+static void add_moment(MR_REAL l0, MR_REAL l1, MR_REAL l2, MR_REAL error,
+                       const mr_interval force[3], mr_interval moment[3]) {
+    mr_interval part[3];
+    mr_i_cross_real(l0, l1, l2, force, part);
+    widen(error * mr_i_norm(force), part);
+    mr_i_accumulate(part, moment);
+}
+
+static void add_body_box(const mr_model *model, const mr_bounds *bounds, const mr_motion *m,
+                     const mr_size *size, MR_REAL motion_error, int32_t b,
+                     mr_wrench_box *link) {
+    const mr_parameters *lower = &bounds->lower, *upper = &bounds->upper;
     const mr_transform *T = &model->placement[b];
-    mr_motion m;
-    mr_interval c[3], I[6], F[3], N[3], part[3], swap[3];
-    mr_body_motion(model, links, b, &m);
+    const mr_body_constants *constants = &mr_of_bodies(model)[b];
+    const mr_body_norms *largest = &mr_largest_norms(model, bounds)[b];
+    mr_interval c[3], I[6], F[3], N[3], part[3], turned[3];
     for (int k = 0; k < 3; ++k) /* 5 */
-        c[k] = (mr_interval){lower->com[3 * b + k], upper->com[3 * b + k]};
+        c[k] = (mr_interval){MR_SPLAT(lower->com[3 * b + k]), MR_SPLAT(upper->com[3 * b + k])};
     for (int k = 0; k < 6; ++k)
-        I[k] = (mr_interval){lower->inertia[6 * b + k], upper->inertia[6 * b + k]};
+        I[k] = (mr_interval){MR_SPLAT(lower->inertia[6 * b + k]),
+                             MR_SPLAT(upper->inertia[6 * b + k])};
 
-    for (int k = 0; k < 3; ++k) F[k] = (mr_interval){m.a[k], m.a[k]}; /* 23 */
-    mr_i_cross_real(m.dw, c, part);
+    for (int k = 0; k < 3; ++k) F[k] = (mr_interval){m->a[k], m->a[k]}; /* 23 */
+    mr_i_cross_real(m->dw[0], m->dw[1], m->dw[2], c, part);
     mr_i_accumulate(part, F);
-    mr_i_cross_real(m.wa, c, part);
-    mr_i_cross_real(m.w, part, swap);
-    mr_i_accumulate(swap, F);
-    const mr_interval mass = {lower->mass[b], upper->mass[b]};
+    mr_i_cross_real(m->wa[0], m->wa[1], m->wa[2], c, part);
+    mr_i_cross_real(m->w[0], m->w[1], m->w[2], part, turned);
+    mr_i_accumulate(turned, F);
+    widen(motion_error * (size->a + size->K * (constants->lever_norm + largest->com)), F);
+    const mr_interval mass = {MR_SPLAT(lower->mass[b]), MR_SPLAT(upper->mass[b])};
     for (int k = 0; k < 3; ++k) F[k] = mr_i_mul(mass, F[k]); /* 27 */
 
     mr_i_cross(c, F, N);                                     /* 29 */
     const mr_interval rows[9] = {I[0], I[1], I[2], I[1], I[3], I[4], I[2], I[4], I[5]};
-    for (int k = 0; k < 3; ++k) N[k] = mr_i_add(N[k], mr_i_dot(m.dw, rows + 3 * k)); /* 30 */
-    for (int k = 0; k < 3; ++k) part[k] = mr_i_dot(m.w, rows + 3 * k);
-    mr_i_cross_real(m.wa, part, swap);
-    mr_i_accumulate(swap, N);
+    for (int k = 0; k < 3; ++k)
+        N[k] = mr_i_add(N[k], mr_i_dot(m->dw[0], m->dw[1], m->dw[2], rows + 3 * k)); /* 30 */
+    for (int k = 0; k < 3; ++k) part[k] = mr_i_dot(m->w[0], m->w[1], m->w[2], rows + 3 * k);
+    mr_i_cross_real(m->wa[0], m->wa[1], m->wa[2], part, turned);
+    mr_i_accumulate(turned, N);
+    widen(motion_error * size->K * largest->inertia, N);
 
-    if (mr_is_identity(T->R)) {
-        for (int k = 0; k < 3; ++k) out->f[k] = F[k], out->n[k] = N[k];
-    } else {
-        mr_i_rotate(T->R, F, out->f);
-        mr_i_rotate(T->R, N, out->n);
+    if (constants->placement == MR_IDENTITY) {
+        mr_i_accumulate(F, link->f);
+        mr_i_accumulate(N, link->n);
+        return;
     }
-    mr_i_cross_real(T->p, out->f, part);
-    mr_i_accumulate(part, out->n);
+    if (constants->placement == MR_GENERAL) {
+        MR_REAL R[9];
+        for (int k = 0; k < 9; ++k) R[k] = MR_SPLAT(T->R[k]);
+        rotate_box(R, MR_SPLAT(MR_CONSTANT_ROTATION * MR_U), F, turned);
+        rotate_box(R, MR_SPLAT(MR_CONSTANT_ROTATION * MR_U), N, part);
+        for (int k = 0; k < 3; ++k) F[k] = turned[k], N[k] = part[k];
+    }
+    add_moment(MR_SPLAT(T->p[0]), MR_SPLAT(T->p[1]), MR_SPLAT(T->p[2]),
+               MR_SPLAT(MR_CONSTANT_LEVER * MR_U * constants->lever_norm), F, N);
+    mr_i_accumulate(F, link->f);
+    mr_i_accumulate(N, link->n);
 }
 
-void mr_ianea(const mr_model *model, const mr_parameters *lower, const mr_parameters *upper,
-              const mr_link *links, mr_wrench_box *wrenches, double *tau_lo, double *tau_hi) {
+void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_link *links,
+              const mr_motion *motions, const mr_size *sizes, MR_REAL followed,
+              mr_wrench_box *wrenches, MR_REAL *tau_lo, MR_REAL *tau_hi) {
+    const double motion_rate = MR_MOTION_JOINT * mr_of_model(model)->depth + MR_MOTION_ONCE;
+    const MR_REAL motion_error = MR_U * (motion_rate + 2.0 * followed);
+    const mr_interval zero = {MR_SPLAT(0.0), MR_SPLAT(0.0)};
     for (int32_t i = 0; i < model->j; ++i) /* 25 */
-        for (int k = 0; k < 3; ++k)
-            wrenches[i].f[k] = wrenches[i].n[k] = (mr_interval){0.0, 0.0};
-
+        for (int k = 0; k < 3; ++k) wrenches[i].f[k] = wrenches[i].n[k] = zero;
     for (int32_t b = 0; b < model->b; ++b) {
-        mr_wrench_box body;
-        if (model->body_joint[b] < 0) continue;
-        body_wrench(model, lower, upper, links, b, &body);
-        mr_i_accumulate(body.f, wrenches[model->body_joint[b]].f);
-        mr_i_accumulate(body.n, wrenches[model->body_joint[b]].n);
+        const int32_t i = model->body_joint[b];
+        if (i < 0) continue;
+        add_body_box(model, bounds, &motions[b], &sizes[i], motion_error, b, &wrenches[i]);
     }
 
     for (int32_t i = model->j - 1; i >= 0; --i) { /* 26 */
         const mr_link *link = &links[i];
+        const double *z = model->after[i].R + 6, *lever = model->before[i].p;
+        const mr_joint_constants *constants = &mr_of_joints(model)[i];
+        const MR_REAL z_error = MR_SPLAT(MR_CONSTANT_AXIS * MR_U);
         mr_wrench_box *own = &wrenches[i];
-        mr_interval part[3], f[3], n[3];
-        mr_i_cross_real(link->p, own->f, part); /* 30 */
-        mr_i_accumulate(part, own->n);
-        const mr_interval u =
-            mr_i_dot(link->z, model->joint_type[i] == MR_REVOLUTE ? own->n : own->f); /* 32, 34 */
+        mr_interval f[3], n[3];
+        add_moment(link->p[0], link->p[1], link->p[2], MR_LEVER * MR_U * sizes[i].p, own->f,
+                   own->n); /* 30 */
+        const mr_interval *along = model->joint_type[i] == MR_REVOLUTE ? own->n : own->f;
+        const mr_interval u = mr_i_widen(
+            mr_i_dot(MR_SPLAT(z[0]), MR_SPLAT(z[1]), MR_SPLAT(z[2]), along), /* 32, 34 */
+            z_error * mr_i_norm(along));
         tau_lo[i] = u.lo;
         tau_hi[i] = u.hi;
         if (model->parent[i] < 0) continue;
         mr_wrench_box *parent = &wrenches[model->parent[i]];
-        mr_i_rotate(link->R, own->f, f); /* 28 */
-        mr_i_rotate(link->R, own->n, n); /* 29 */
-        mr_i_cross_real(model->before[i].p, f, part);
-        mr_i_accumulate(part, n);
+        const MR_REAL turn_error = MR_ROTATION * MR_U + MR_U * sizes[i].follower;
+        rotate_box(link->R, turn_error, own->f, f); /* 28 */
+        rotate_box(link->R, turn_error, own->n, n); /* 29 */
+        if (constants->before != MR_IDENTITY)
+            add_moment(MR_SPLAT(lever[0]), MR_SPLAT(lever[1]), MR_SPLAT(lever[2]),
+                       MR_SPLAT(MR_CONSTANT_LEVER * MR_U * constants->before_norm), f, n);
         mr_i_accumulate(f, parent->f);
         mr_i_accumulate(n, parent->n);
+    }
+}
+
+void mr_lead_box(const mr_model *model, MR_REAL *lo, MR_REAL *hi) {
+    for (int32_t k = 0; k < model->j - model->n; ++k) {
+        const int32_t leader = model->leader[k], own = model->n + k;
+        mr_interval share =
+            mr_i_scale(MR_SPLAT(model->multiplier[k]), (mr_interval){lo[own], hi[own]});
+        share = mr_i_widen(share, 2.0 * MR_U * mr_i_size(share)); /* as written in decimals */
+        const mr_interval sum = mr_i_add((mr_interval){lo[leader], hi[leader]}, share);
+        lo[leader] = sum.lo;
+        hi[leader] = sum.hi;
     }
 }

@@ -3,10 +3,12 @@
  * Equations by number: docs/equations.md. SI units. Every function is free of heap, input and
  * output, globals and recursion; the caller owns all memory. Inputs are const, outputs come last;
  * on a status other than MR_OK the outputs and the controller's state are untouched, but for
- * mr_loop_advance, which keeps the ticks before. */
+ * mr_loop_advance, which keeps the ticks before, and the batch. Every function computes in round to
+ * nearest with subnormal numbers, whatever the caller has set, and restores what it found. */
 #ifndef MR_KERNEL_H
 #define MR_KERNEL_H
 
+#include <float.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -24,7 +26,8 @@ typedef enum {
     MR_ANGLE_RANGE = 2, /* a joint angle beyond MR_ANGLE_MAX */
     MR_SINGULAR = 3,    /* the mass matrix is not positive definite */
     MR_TIME = 4,        /* time went backwards between two commands */
-    MR_DIVERGED = 5     /* the closed loop left the range of the kernel */
+    MR_DIVERGED = 5,    /* the closed loop left the range of the kernel */
+    MR_PLATFORM = 6     /* this machine's arithmetic is not the one that the proof is about */
 } mr_status;
 
 typedef enum { MR_REVOLUTE = 0, MR_PRISMATIC = 1 } mr_joint_type;
@@ -58,7 +61,13 @@ typedef struct {
     const int32_t *body_joint;     /* (b) joint that moves the body, -1 is the base */
     const mr_transform *placement; /* (b) body frame in its link frame */
     double gravity[3];             /* in the base frame [m/s^2] */
+    const double *folded;          /* what mr_fold computed from all above */
 } mr_model;
+
+/* Computes the model's constants once, into mr_folded_size doubles; model->folded shall then point
+ * to them. Every other function but those that return a size needs them. */
+size_t mr_folded_size(const mr_model *model);
+void mr_fold(const mr_model *model, double *folded);
 
 /* One point of the dynamic parameters. */
 typedef struct {
@@ -79,7 +88,13 @@ typedef struct {
     const double *disturbance_hi; /* (n) */
     const int32_t *uncertain;     /* indices of bodies whose box is not a point, ascending */
     int32_t uncertain_count;
+    const double *prepared;       /* what mr_prepare computed from all above */
 } mr_bounds;
+
+/* Computes the constants of a box once, into mr_prepared_size doubles; bounds->prepared shall then
+ * point to them. */
+size_t mr_prepared_size(const mr_model *model);
+void mr_prepare(const mr_model *model, const mr_bounds *bounds, double *prepared);
 
 /* Number of doubles in one packed parameter point, and its view: mass, com, inertia, rotor
  * inertia, viscous, coulomb, one after the other. */
@@ -98,11 +113,34 @@ mr_status mr_inverse_dynamics(const mr_model *model, const mr_parameters *parame
                               const double *q, const double *dq, const double *dq_a,
                               const double *ddq_a, int drives, double *workspace, double *tau);
 
-/* Bounds of NE* over the box of parameters, by the exact hull (17) or by Algorithm 1. */
+/* The same and a bound of its rounding error, (26), which also holds for the robot with exact
+ * rotations and the constants as written. */
+mr_status mr_inverse_dynamics_rounding(const mr_model *model, const mr_parameters *parameters,
+                                       const double *q, const double *dq, const double *dq_a,
+                                       const double *ddq_a, int drives, double *workspace,
+                                       double *tau, double *error);
+
+/* Bounds of NE* over the box of parameters, by the exact hull (17) or by Algorithm 1; rounding is
+ * enclosed. */
 mr_status mr_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *bounds,
                                      mr_method method, const double *q, const double *dq,
                                      const double *dq_a, const double *ddq_a, int drives,
                                      double *workspace, double *tau_lo, double *tau_hi);
+
+/* The same for `count` states, rows of (count, n) arrays, several side by side in a register; the
+ * bits are those of the single call. On an error *row is the first row that has it; rows before it
+ * may be written. */
+size_t mr_batch_workspace_size(const mr_model *model);
+mr_status mr_inverse_dynamics_bounds_batch(const mr_model *model, const mr_bounds *bounds,
+                                           mr_method method, int64_t count, const double *q,
+                                           const double *dq, const double *dq_a,
+                                           const double *ddq_a, int drives, double *workspace,
+                                           double *tau_lo, double *tau_hi, int64_t *row);
+
+/* What rounding may add to either end of the hull, (26): for reports. */
+mr_status mr_bounds_slack(const mr_model *model, const mr_bounds *bounds, const double *q,
+                          const double *dq, const double *dq_a, const double *ddq_a, int drives,
+                          double *workspace, double *slack);
 
 /* The perturbation set [Phi] of (12), drives and [d] included, and the nominal torque u0. */
 mr_status mr_perturbation_bounds(const mr_model *model, const mr_bounds *bounds, mr_method method,
@@ -196,6 +234,10 @@ mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const 
                           const double *ddq_des, int32_t log_every, double *workspace,
                           mr_controller_state *state, mr_loop *loop, mr_loop_log *log,
                           int32_t *logged);
+
+/* MR_PLATFORM where the machine or the build does not round as the proof in docs/guarantees.md
+ * needs it; to be called once, before anything else. */
+mr_status mr_self_test(void);
 
 /* Sine and cosine for |x| <= MR_ANGLE_MAX; the same bits on every platform. */
 void mr_sincos(double x, double *sine, double *cosine);

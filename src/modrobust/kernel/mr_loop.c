@@ -2,7 +2,7 @@
 #include "mr_internal.h"
 
 /* Memory of the loop beyond that of the dynamics, in arrays of n. */
-enum { TAU, NOMINAL, V, PHI_LO, PHI_HI, RHO, W, SPARE_LO, SPARE_HI, DQ_A, DDQ_A,
+enum { TAU, NOMINAL, V, PHI_LO, PHI_HI, RHO, W, W_ERROR, SPARE_LO, SPARE_HI, DQ_A, DDQ_A,
        DRIVE, Q0, DQ0, Q1, DQ1, K_DQ, K_DDQ, SUM_DQ, SUM_DDQ, ARRAYS };
 
 size_t mr_loop_workspace_size(const mr_model *model) {
@@ -30,7 +30,7 @@ static mr_status plant_step(const mr_model *model, const mr_parameters *paramete
             dq1[i] = dq0[i] + node[stage] * h * k_ddq[i];
         }
         const mr_status status =
-            mr_forward_dynamics(model, parameters, q1, dq1, drive, 1, workspace, k_ddq);
+            mr_do_forward_dynamics(model, parameters, q1, dq1, drive, 1, workspace, k_ddq);
         if (status) return status;
         for (int32_t i = 0; i < n; ++i) {
             k_dq[i] = dq1[i];
@@ -58,7 +58,7 @@ static mr_status log_widths(const mr_model *model, const mr_bounds *bounds, cons
     double *lo = a[SPARE_LO], *hi = a[SPARE_HI];
     for (int k = 0; k < 2; ++k) {
         const mr_status status =
-            mr_perturbation_bounds(model, bounds, method[k], q, dq, a[DQ_A], a[DDQ_A], workspace,
+            mr_do_perturbation_bounds(model, bounds, method[k], q, dq, a[DQ_A], a[DDQ_A], workspace,
                                    a[W], lo, hi);
         if (status) return status;
         for (int32_t i = 0; i < n; ++i) hi[i] -= lo[i];
@@ -73,21 +73,23 @@ static mr_status perturbation(const mr_model *model, const mr_parameters *true_p
                               double *workspace, double *const *a, mr_loop *loop) {
     const int32_t n = model->n;
     double *w = a[W];
-    const double *tau = a[TAU], *nominal = a[NOMINAL];
+    const double *nominal = a[NOMINAL], *error = a[W_ERROR];
     const double *lo = a[PHI_LO], *hi = a[PHI_HI];
-    double largest = 0.0, excess = 0.0;
-    const mr_status status = mr_inverse_dynamics(model, true_parameters, q, dq, a[DQ_A], a[DDQ_A],
-                                                 1, workspace, w);
+    double largest = 0.0;
+    const mr_status status = mr_do_inverse_dynamics(model, true_parameters, q, dq, a[DQ_A],
+                                                    a[DDQ_A], 1, workspace, w, a[W_ERROR]);
     if (status) return status;
     for (int32_t i = 0; i < n; ++i) {
+        const double rounding =
+            error[i] + 0x1p-52 * (fabs(w[i]) + fabs(nominal[i]) + fabs(true_disturbance[i]));
         w[i] = w[i] - nominal[i] - true_disturbance[i];
-        if (fabs(tau[i]) > largest) largest = fabs(tau[i]);
-        if (lo[i] - w[i] > excess) excess = lo[i] - w[i];
-        if (w[i] - hi[i] > excess) excess = w[i] - hi[i];
+        const double below = lo[i] - w[i], above = w[i] - hi[i];
+        const double excess = (below > above ? below : above) - rounding;
+        if (excess > largest) largest = excess;
     }
-    if (excess > 1e-10 * largest) {
+    if (largest > 0.0) {
         loop->violations += 1;
-        if (excess > loop->violation_max) loop->violation_max = excess;
+        if (largest > loop->violation_max) loop->violation_max = largest;
     }
     return MR_OK;
 }
@@ -113,7 +115,7 @@ static void measure(const mr_model *model, const mr_gains *gains, double t, cons
     if (rho_norm > loop->rho_max) loop->rho_max = rho_norm;
 }
 
-mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
+mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
                           const mr_parameters *true_parameters, const double *true_disturbance,
                           int32_t count, const double *q_des, const double *dq_des,
                           const double *ddq_des, int32_t log_every, double *workspace,
@@ -131,7 +133,7 @@ mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const 
         const double *qd = q_des + row_start, *dqd = dq_des + row_start;
         const double *ddqd = ddq_des + row_start;
         const mr_controller_state before = *state;
-        if (mr_command(model, bounds, gains, t, loop->q, loop->dq, qd, dqd, ddqd, workspace,
+        if (mr_do_command(model, bounds, gains, t, loop->q, loop->dq, qd, dqd, ddqd, workspace,
                        state, &out))
             return MR_DIVERGED;
         mr_auxiliary(n, gains, loop->q, loop->dq, qd, dqd, ddqd, a[DQ_A], a[DDQ_A]);

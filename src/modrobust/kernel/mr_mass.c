@@ -1,4 +1,4 @@
-/* Mass matrix by composite bodies, and forward dynamics of the plant, (22), (23). */
+/* Link frames, mass matrix by composite bodies, forward dynamics of the plant, (22), (23). */
 #include "mr_internal.h"
 
 /* One composite body about its link frame's origin: m, h = m c, I. */
@@ -42,16 +42,17 @@ static void add_composite(const mr_composite *body, const double R[9], const dou
 /* Force and moment about the link frame's origin under unit acceleration of joint i. */
 static void unit_wrench(const mr_model *model, int32_t i, const mr_link *link,
                         const mr_composite *body, mr_wrench *out) {
+    const double *z = model->after[i].R + 6;
     if (model->joint_type[i] == MR_REVOLUTE) {
         double v[3];
-        mr_cross(link->z, link->p, v);
-        mr_cross(link->z, body->h, out->f);
+        mr_cross(z, link->p, v);
+        mr_cross(z, body->h, out->f);
         mr_add_scaled(body->m, v, out->f);
-        mr_symmetric(body->I, link->z, out->n);
+        mr_symmetric(body->I, z, out->n);
         mr_add_cross(body->h, v, out->n);
     } else {
-        for (int k = 0; k < 3; ++k) out->f[k] = body->m * link->z[k];
-        mr_cross(body->h, link->z, out->n);
+        for (int k = 0; k < 3; ++k) out->f[k] = body->m * z[k];
+        mr_cross(body->h, z, out->n);
     }
 }
 
@@ -96,8 +97,9 @@ void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
             const int32_t parent = model->parent[j];
             double f[3], n_parent[3];
             mr_add_cross(link->p, wrench.f, wrench.n); /* now about the joint frame's origin */
+            const double *along = model->joint_type[j] == MR_REVOLUTE ? wrench.n : wrench.f;
             M[i * n + j] = M[j * n + i] =
-                mr_dot(model->joint_type[j] == MR_REVOLUTE ? wrench.n : wrench.f, link->z);
+                mr_dot(along, model->after[j].R + 6);
             if (parent < 0) break;
             mr_rotate(link->R, wrench.f, f);
             mr_rotate(link->R, wrench.n, n_parent);
@@ -143,12 +145,37 @@ mr_status mr_cholesky_solve(int32_t n, double *M, double *x) {
     return MR_OK;
 }
 
+mr_status mr_do_forward_kinematics(const mr_model *model, const double *q, double *workspace,
+                                   mr_transform *frames) {
+    mr_workspace ws = mr_workspace_view(model, workspace);
+    mr_state state;
+    const mr_status status = mr_full_state(model, &ws, q, q, q, q, &state);
+    if (status) return status;
+    for (int32_t i = 0; i < model->j; ++i) {
+        mr_link *link = &ws.links[i];
+        double position[3];
+        mr_joint_geometry(model, i, state.q[i], link);
+        mr_rotate(link->R, link->p, position);
+        mr_add(model->before[i].p, position);
+        if (model->parent[i] < 0) {
+            for (int k = 0; k < 9; ++k) frames[i].R[k] = link->R[k];
+            mr_copy(position, frames[i].p);
+        } else {
+            const mr_transform *parent = &frames[model->parent[i]];
+            mr_multiply(parent->R, link->R, frames[i].R);
+            mr_rotate(parent->R, position, frames[i].p);
+            mr_add(parent->p, frames[i].p);
+        }
+    }
+    return MR_OK;
+}
+
 size_t mr_dynamics_workspace_size(const mr_model *model) {
     const size_t j = (size_t)model->j;
     return mr_workspace_size(model) + j * (COMPOSITE_DOUBLES + j);
 }
 
-mr_status mr_mass_matrix(const mr_model *model, const mr_parameters *parameters, const double *q,
+mr_status mr_do_mass_matrix(const mr_model *model, const mr_parameters *parameters, const double *q,
                          int drives, double *workspace, double *M) {
     mr_workspace ws = mr_workspace_view(model, workspace);
     double *composite = workspace + mr_workspace_size(model);
@@ -158,12 +185,12 @@ mr_status mr_mass_matrix(const mr_model *model, const mr_parameters *parameters,
     if (status) return status;
     for (int32_t i = 0; i < model->j; ++i) mr_joint_geometry(model, i, state.q[i], &ws.links[i]);
     mr_composite_mass(model, parameters, ws.links, drives, composite, result);
-    if (mr_check_vector(model->n * model->n, result)) return MR_NOT_FINITE;
+    if (!mr_all_finite(model->n * model->n, result)) return MR_NOT_FINITE;
     for (int32_t i = 0; i < model->n * model->n; ++i) M[i] = result[i];
     return MR_OK;
 }
 
-mr_status mr_forward_dynamics(const mr_model *model, const mr_parameters *parameters,
+mr_status mr_do_forward_dynamics(const mr_model *model, const mr_parameters *parameters,
                               const double *q, const double *dq, const double *tau, int drives,
                               double *workspace, double *ddq) {
     mr_workspace ws = mr_workspace_view(model, workspace);
@@ -171,20 +198,20 @@ mr_status mr_forward_dynamics(const mr_model *model, const mr_parameters *parame
     double *M = composite + (size_t)model->j * COMPOSITE_DOUBLES;
     double *zero = ws.ddq_a, *x = ws.mid;
     mr_state state;
-    mr_status status = mr_check_vector(model->n, tau);
-    if (status) return status;
+    if (!mr_all_finite(model->n, tau)) return MR_NOT_FINITE;
     for (int32_t i = 0; i < model->n; ++i) zero[i] = 0.0;
-    status = mr_full_state(model, &ws, q, dq, dq, zero, &state);
+    mr_status status = mr_full_state(model, &ws, q, dq, dq, zero, &state);
     if (status) return status;
     mr_forward_recursion(model, &state, ws.links);
-    mr_newton_euler(model, parameters, ws.links, ws.wrench.real, x);
+    mr_body_motions(model, ws.links, ws.motions);
+    mr_newton_euler(model, parameters, ws.links, ws.motions, ws.wrench.real, x);
     if (drives) mr_add_drives(model, parameters, state.dq, state.ddq_a, x);
     mr_lead(model, x);
     for (int32_t i = 0; i < model->n; ++i) x[i] = tau[i] - x[i];
     mr_composite_mass(model, parameters, ws.links, drives, composite, M);
     status = mr_cholesky_solve(model->n, M, x);
     if (status) return status;
-    if (mr_check_vector(model->n, x)) return MR_NOT_FINITE;
+    if (!mr_all_finite(model->n, x)) return MR_NOT_FINITE;
     for (int32_t i = 0; i < model->n; ++i) ddq[i] = x[i];
     return MR_OK;
 }

@@ -2,7 +2,8 @@
  *
  * For |x| <= 1e5 the multiple k of pi/2 has at most 16 bits, so that k times the first two parts
  * (33 bits each) is exact; the third part leaves an absolute error below 2^-100. The first
- * omitted Taylor terms, y^19 / 19! and y^18 / 18!, are below 2^-61 relative to the results. */
+ * omitted Taylor terms, y^19 / 19! and y^18 / 18!, are below 2^-61 relative to the results. The
+ * error bound and its proof: docs/guarantees.md. */
 #include "mr_internal.h"
 
 static const double TWO_OVER_PI = 0x1.45f306dc9c883p-1;
@@ -10,20 +11,22 @@ static const double HALF_PI_1 = 0x1.921fb54400000p+0;
 static const double HALF_PI_2 = 0x1.0b4611a600000p-34;
 static const double HALF_PI_3 = 0x1.3198a2e037073p-69;
 
-/* 1.5 * 2^52: adding and subtracting it rounds to the nearest integer. */
+/* 1.5 * 2^52: adding and subtracting it rounds to the nearest integer, and the sum's last bits
+ * are those of the integer in two's complement. */
 static const double ROUND = 0x1.8p52;
 
-void mr_sincos(double x, double *sine, double *cosine) {
-    const double k = (x * TWO_OVER_PI + ROUND) - ROUND;
-    const double a = x - k * HALF_PI_1;
-    const double b = k * HALF_PI_2;
-    const double head = a - b;
-    const double c = k * HALF_PI_3;
-    const double y = head - c;
-    const double t = (head - y) - c + ((a - head) - b); /* y + t is the reduced angle */
+void mr_sine_cosine(MR_REAL x, MR_REAL *sine, MR_REAL *cosine) {
+    const MR_REAL shifted = x * TWO_OVER_PI + ROUND;
+    const MR_REAL k = shifted - ROUND;
+    const MR_REAL a = x - k * HALF_PI_1;
+    const MR_REAL b = k * HALF_PI_2;
+    const MR_REAL head = a - b;
+    const MR_REAL c = k * HALF_PI_3;
+    const MR_REAL y = head - c;
+    const MR_REAL t = (head - y) - c + ((a - head) - b); /* y + t is the reduced angle */
 
-    const double z = y * y;
-    const double s =
+    const MR_REAL z = y * y;
+    const MR_REAL s =
         -0x1.5555555555555p-3 +
         z * (0x1.1111111111111p-7 +
              z * (-0x1.a01a01a01a01ap-13 +
@@ -31,7 +34,7 @@ void mr_sincos(double x, double *sine, double *cosine) {
                        z * (-0x1.ae64567f544e4p-26 +
                             z * (0x1.6124613a86d09p-33 +
                                  z * (-0x1.ae7f3e733b81fp-41 + z * 0x1.952c77030ad4ap-49))))));
-    const double r =
+    const MR_REAL r =
         0x1.5555555555555p-5 +
         z * (-0x1.6c16c16c16c17p-10 +
              z * (0x1.a01a01a01a01ap-16 +
@@ -40,15 +43,15 @@ void mr_sincos(double x, double *sine, double *cosine) {
                             z * (-0x1.93974a8c07c9dp-37 + z * 0x1.ae7f3e733b81fp-45)))));
 
     /* sin(y + t) = sin y + t cos y and cos(y + t) = cos y - t sin y to first order in t. */
-    const double sin_y = y + (y * z * s + t * (1.0 - 0.5 * z));
-    const double half = 0.5 * z;
-    const double one = 1.0 - half;
-    const double cos_y = one + (((1.0 - one) - half) + (z * z * r - t * y));
+    const MR_REAL sin_y = y + (y * z * s + t * (1.0 - 0.5 * z));
+    const MR_REAL half = 0.5 * z;
+    const MR_REAL one = 1.0 - half;
+    const MR_REAL cos_y = one + (((1.0 - one) - half) + (z * z * r - t * y));
 
-    switch ((int32_t)k & 3) {
-    case 0: *sine = sin_y, *cosine = cos_y; break;
-    case 1: *sine = cos_y, *cosine = -sin_y; break;
-    case 2: *sine = -sin_y, *cosine = -cos_y; break;
-    default: *sine = -cos_y, *cosine = sin_y; break;
-    }
+    /* Quadrant k mod 4: odd ones exchange the two, bits of k and k + 1 give the signs. */
+    const MR_MASK quadrant = MR_BITS(shifted);
+    const MR_MASK odd = (quadrant & 1) != 0;
+    const MR_REAL first = MR_SELECT(odd, cos_y, sin_y), second = MR_SELECT(odd, sin_y, cos_y);
+    *sine = MR_SELECT((quadrant & 2) != 0, -first, first);
+    *cosine = MR_SELECT(((quadrant + 1) & 2) != 0, -second, second);
 }

@@ -1,128 +1,170 @@
-/* Vectors of three, 3x3 matrices row by row, and intervals. Inline, internal to the kernel. */
+/* Vectors of three, 3x3 matrices row by row, and intervals with their rounding enclosed.
+ *
+ * The operations on vectors are macros, because an operand may be a constant of the robot, a
+ * double, or a number of the pass. Arguments are evaluated more than once; out must not be an
+ * operand. */
 #ifndef MR_VECTOR_H
 #define MR_VECTOR_H
 
-#include <math.h>
+#include "mr_number.h"
 
-static inline double mr_dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+#define mr_dot(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
 
-/* out = a x b; out must not be a or b. */
-static inline void mr_cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
+/* Component k of a x b, and its neighbours in turn. */
+#define MR_CROSS_0(a, b) ((a)[1] * (b)[2] - (a)[2] * (b)[1])
+#define MR_CROSS_1(a, b) ((a)[2] * (b)[0] - (a)[0] * (b)[2])
+#define MR_CROSS_2(a, b) ((a)[0] * (b)[1] - (a)[1] * (b)[0])
 
-static inline void mr_add_cross(const double a[3], const double b[3], double out[3]) {
-    out[0] += a[1] * b[2] - a[2] * b[1];
-    out[1] += a[2] * b[0] - a[0] * b[2];
-    out[2] += a[0] * b[1] - a[1] * b[0];
-}
+#define mr_cross(a, b, out)            \
+    do {                               \
+        (out)[0] = MR_CROSS_0(a, b);   \
+        (out)[1] = MR_CROSS_1(a, b);   \
+        (out)[2] = MR_CROSS_2(a, b);   \
+    } while (0)
 
-static inline void mr_add(const double a[3], double out[3]) {
-    out[0] += a[0];
-    out[1] += a[1];
-    out[2] += a[2];
-}
+#define mr_add_cross(a, b, out)        \
+    do {                               \
+        (out)[0] += MR_CROSS_0(a, b);  \
+        (out)[1] += MR_CROSS_1(a, b);  \
+        (out)[2] += MR_CROSS_2(a, b);  \
+    } while (0)
 
-static inline void mr_add_scaled(double k, const double a[3], double out[3]) {
-    out[0] += k * a[0];
-    out[1] += k * a[1];
-    out[2] += k * a[2];
-}
+#define mr_add(a, out)                 \
+    do {                               \
+        (out)[0] += (a)[0];            \
+        (out)[1] += (a)[1];            \
+        (out)[2] += (a)[2];            \
+    } while (0)
 
-static inline void mr_copy(const double a[3], double out[3]) {
-    out[0] = a[0];
-    out[1] = a[1];
-    out[2] = a[2];
-}
+#define mr_add_scaled(k, a, out)       \
+    do {                               \
+        (out)[0] += (k) * (a)[0];      \
+        (out)[1] += (k) * (a)[1];      \
+        (out)[2] += (k) * (a)[2];      \
+    } while (0)
 
-static inline void mr_rotate(const double R[9], const double x[3], double out[3]) {
-    out[0] = R[0] * x[0] + R[1] * x[1] + R[2] * x[2];
-    out[1] = R[3] * x[0] + R[4] * x[1] + R[5] * x[2];
-    out[2] = R[6] * x[0] + R[7] * x[1] + R[8] * x[2];
-}
+#define mr_copy(a, out)                \
+    do {                               \
+        (out)[0] = (a)[0];             \
+        (out)[1] = (a)[1];             \
+        (out)[2] = (a)[2];             \
+    } while (0)
+
+/* A constant becomes a number of the pass. */
+#define mr_splat(a, out)               \
+    do {                               \
+        (out)[0] = MR_SPLAT((a)[0]);   \
+        (out)[1] = MR_SPLAT((a)[1]);   \
+        (out)[2] = MR_SPLAT((a)[2]);   \
+    } while (0)
+
+#define mr_rotate(R, x, out)           \
+    do {                               \
+        (out)[0] = mr_dot(R, x);       \
+        (out)[1] = mr_dot((R) + 3, x); \
+        (out)[2] = mr_dot((R) + 6, x); \
+    } while (0)
 
 /* out = R' x */
-static inline void mr_unrotate(const double R[9], const double x[3], double out[3]) {
-    out[0] = R[0] * x[0] + R[3] * x[1] + R[6] * x[2];
-    out[1] = R[1] * x[0] + R[4] * x[1] + R[7] * x[2];
-    out[2] = R[2] * x[0] + R[5] * x[1] + R[8] * x[2];
-}
+#define mr_unrotate(R, x, out)                                             \
+    do {                                                                   \
+        (out)[0] = (R)[0] * (x)[0] + (R)[3] * (x)[1] + (R)[6] * (x)[2];    \
+        (out)[1] = (R)[1] * (x)[0] + (R)[4] * (x)[1] + (R)[7] * (x)[2];    \
+        (out)[2] = (R)[2] * (x)[0] + (R)[5] * (x)[1] + (R)[8] * (x)[2];    \
+    } while (0)
 
-static inline void mr_multiply(const double A[9], const double B[9], double out[9]) {
-    for (int i = 0; i < 9; i += 3) {
-        out[i] = A[i] * B[0] + A[i + 1] * B[3] + A[i + 2] * B[6];
-        out[i + 1] = A[i] * B[1] + A[i + 1] * B[4] + A[i + 2] * B[7];
-        out[i + 2] = A[i] * B[2] + A[i + 1] * B[5] + A[i + 2] * B[8];
-    }
-}
+#define MR_TIMES_COLUMN(A, B, c) ((A)[0] * (B)[c] + (A)[1] * (B)[(c) + 3] + (A)[2] * (B)[(c) + 6])
 
-/* All nine entries: a rotation by 1e-9 has exact ones on its diagonal. */
-static inline int mr_is_identity(const double R[9]) {
-    return R[0] == 1.0 && R[4] == 1.0 && R[8] == 1.0 && R[1] == 0.0 && R[2] == 0.0 &&
-           R[3] == 0.0 && R[5] == 0.0 && R[6] == 0.0 && R[7] == 0.0;
-}
+#define mr_multiply(A, B, out)                            \
+    do {                                                  \
+        for (int row_ = 0; row_ < 9; row_ += 3) {         \
+            (out)[row_] = MR_TIMES_COLUMN((A) + row_, B, 0);     \
+            (out)[row_ + 1] = MR_TIMES_COLUMN((A) + row_, B, 1); \
+            (out)[row_ + 2] = MR_TIMES_COLUMN((A) + row_, B, 2); \
+        }                                                 \
+    } while (0)
 
 /* out = S x for the symmetric S = xx xy xz yy yz zz */
-static inline void mr_symmetric(const double S[6], const double x[3], double out[3]) {
-    out[0] = S[0] * x[0] + S[1] * x[1] + S[2] * x[2];
-    out[1] = S[1] * x[0] + S[3] * x[1] + S[4] * x[2];
-    out[2] = S[2] * x[0] + S[4] * x[1] + S[5] * x[2];
-}
+#define mr_symmetric(S, x, out)                                            \
+    do {                                                                   \
+        (out)[0] = (S)[0] * (x)[0] + (S)[1] * (x)[1] + (S)[2] * (x)[2];    \
+        (out)[1] = (S)[1] * (x)[0] + (S)[3] * (x)[1] + (S)[4] * (x)[2];    \
+        (out)[2] = (S)[2] * (x)[0] + (S)[4] * (x)[1] + (S)[5] * (x)[2];    \
+    } while (0)
 
-/* L of (16): L c = dw x c + w x (wa x c), row by row. */
-static inline void mr_acceleration_matrix(const double w[3], const double wa[3],
-                                          const double dw[3], double L[9]) {
-    const double d = mr_dot(w, wa); /* w x (wa x c) = wa (w . c) - (w . wa) c */
-    L[0] = wa[0] * w[0] - d;
-    L[1] = wa[0] * w[1] - dw[2];
-    L[2] = wa[0] * w[2] + dw[1];
-    L[3] = wa[1] * w[0] + dw[2];
-    L[4] = wa[1] * w[1] - d;
-    L[5] = wa[1] * w[2] - dw[0];
-    L[6] = wa[2] * w[0] - dw[1];
-    L[7] = wa[2] * w[1] + dw[0];
-    L[8] = wa[2] * w[2] - d;
-}
-
-/* ---- Intervals: Definitions 4 to 6 of the paper. ---- */
+/* ---- Intervals: Definitions 4 to 6 of the paper. Every result contains the exact one. ---- */
 typedef struct {
-    double lo, hi;
+    MR_REAL lo, hi;
 } mr_interval;
 
+/* Half a unit in the last place, a little more; and what a product or a sum may lose below it. */
+#define MR_PHI 0x1.0000000000002p-53
+#define MR_ETA 0x1p-1022
+/* Three products and two sums, and the widening's own rounding, in units of the products. */
+#define MR_PHI_DOT 0x5.0p-53
+
+static inline MR_REAL mr_down(MR_REAL x) { return x - (MR_ABS(x) * MR_PHI + MR_ETA); }
+static inline MR_REAL mr_up(MR_REAL x) { return x + (MR_ABS(x) * MR_PHI + MR_ETA); }
+
 static inline mr_interval mr_i_add(mr_interval x, mr_interval y) {
-    return (mr_interval){x.lo + y.lo, x.hi + y.hi};
+    return (mr_interval){mr_down(x.lo + y.lo), mr_up(x.hi + y.hi)};
 }
 
 static inline mr_interval mr_i_sub(mr_interval x, mr_interval y) {
-    return (mr_interval){x.lo - y.hi, x.hi - y.lo};
+    return (mr_interval){mr_down(x.lo - y.hi), mr_up(x.hi - y.lo)};
 }
 
-static inline mr_interval mr_i_scale(double k, mr_interval x) {
-    return k >= 0.0 ? (mr_interval){k * x.lo, k * x.hi} : (mr_interval){k * x.hi, k * x.lo};
+/* The two products in order, rounded to nearest. */
+#define MR_SCALE(k, x)                                            \
+    ((mr_interval){MR_SELECT((k) >= 0.0, (k) * (x).lo, (k) * (x).hi), \
+                   MR_SELECT((k) >= 0.0, (k) * (x).hi, (k) * (x).lo)})
+
+static inline mr_interval mr_i_scale(MR_REAL k, mr_interval x) {
+    const mr_interval near = MR_SCALE(k, x);
+    return (mr_interval){mr_down(near.lo), mr_up(near.hi)};
 }
 
 static inline mr_interval mr_i_mul(mr_interval x, mr_interval y) {
-    const double a = x.lo * y.lo, b = x.lo * y.hi, c = x.hi * y.lo, d = x.hi * y.hi;
-    const double ab_lo = a < b ? a : b, cd_lo = c < d ? c : d;
-    const double ab_hi = a > b ? a : b, cd_hi = c > d ? c : d;
-    return (mr_interval){ab_lo < cd_lo ? ab_lo : cd_lo, ab_hi > cd_hi ? ab_hi : cd_hi};
+    const MR_REAL a = x.lo * y.lo, b = x.lo * y.hi, c = x.hi * y.lo, d = x.hi * y.hi;
+    const MR_REAL ab_lo = MR_MIN(a, b), cd_lo = MR_MIN(c, d);
+    const MR_REAL ab_hi = MR_MAX(a, b), cd_hi = MR_MAX(c, d);
+    return (mr_interval){mr_down(MR_MIN(ab_lo, cd_lo)), mr_up(MR_MAX(ab_hi, cd_hi))};
 }
 
-static inline mr_interval mr_i_dot(const double a[3], const mr_interval x[3]) {
-    return mr_i_add(mr_i_add(mr_i_scale(a[0], x[0]), mr_i_scale(a[1], x[1])),
-                    mr_i_scale(a[2], x[2]));
+/* x with its ends moved apart by radius >= 0. */
+static inline mr_interval mr_i_widen(mr_interval x, MR_REAL radius) {
+    return (mr_interval){mr_down(x.lo - radius), mr_up(x.hi + radius)};
+}
+
+/* The larger of the ends' sizes. */
+static inline MR_REAL mr_i_size(mr_interval x) {
+    const MR_REAL lo = MR_ABS(x.lo), hi = MR_ABS(x.hi);
+    return MR_MAX(lo, hi);
+}
+
+/* A bound of the Euclidean norm of every point of the box, up to rounding. */
+static inline MR_REAL mr_i_norm(const mr_interval x[3]) {
+    const MR_REAL size[3] = {mr_i_size(x[0]), mr_i_size(x[1]), mr_i_size(x[2])};
+    return size[0] + size[1] + size[2];
+}
+
+/* a . x for a real a, a constant or a number of the pass. */
+static inline mr_interval mr_i_dot(MR_REAL a0, MR_REAL a1, MR_REAL a2, const mr_interval x[3]) {
+    const mr_interval p = MR_SCALE(a0, x[0]), q = MR_SCALE(a1, x[1]), r = MR_SCALE(a2, x[2]);
+    const MR_REAL lo = (p.lo + q.lo) + r.lo, hi = (p.hi + q.hi) + r.hi;
+    const MR_REAL size_lo = MR_ABS(p.lo) + MR_ABS(q.lo) + MR_ABS(r.lo);
+    const MR_REAL size_hi = MR_ABS(p.hi) + MR_ABS(q.hi) + MR_ABS(r.hi);
+    return (mr_interval){lo - (size_lo * MR_PHI_DOT + MR_ETA),
+                         hi + (size_hi * MR_PHI_DOT + MR_ETA)};
 }
 
 /* out = a (x) [x], a real */
-static inline void mr_i_cross_real(const double a[3], const mr_interval x[3],
+static inline void mr_i_cross_real(MR_REAL a0, MR_REAL a1, MR_REAL a2, const mr_interval x[3],
                                    mr_interval out[3]) {
-    out[0] = mr_i_sub(mr_i_scale(a[1], x[2]), mr_i_scale(a[2], x[1]));
-    out[1] = mr_i_sub(mr_i_scale(a[2], x[0]), mr_i_scale(a[0], x[2]));
-    out[2] = mr_i_sub(mr_i_scale(a[0], x[1]), mr_i_scale(a[1], x[0]));
+    const MR_REAL zero = MR_SPLAT(0.0);
+    out[0] = mr_i_dot(zero, -a2, a1, x);
+    out[1] = mr_i_dot(a2, zero, -a0, x);
+    out[2] = mr_i_dot(-a1, a0, zero, x);
 }
 
 static inline void mr_i_cross(const mr_interval x[3], const mr_interval y[3],
@@ -134,10 +176,6 @@ static inline void mr_i_cross(const mr_interval x[3], const mr_interval y[3],
 
 static inline void mr_i_accumulate(const mr_interval x[3], mr_interval out[3]) {
     for (int k = 0; k < 3; ++k) out[k] = mr_i_add(out[k], x[k]);
-}
-
-static inline void mr_i_rotate(const double R[9], const mr_interval x[3], mr_interval out[3]) {
-    for (int k = 0; k < 3; ++k) out[k] = mr_i_dot(R + 3 * k, x);
 }
 
 #endif

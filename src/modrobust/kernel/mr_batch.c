@@ -1,0 +1,154 @@
+/* Bounds of the torque for many states, a register of them at a time.
+ *
+ * The files of the pass are included once more, here for registers in place of doubles; their
+ * functions get names of their own. So does this file's, where it is compiled again for wider
+ * registers. */
+#define MR_BATCH
+#ifndef MR_BATCH_SUFFIX
+#define MR_BATCH_SUFFIX
+#endif
+#define MR_JOIN_(name, suffix) name##suffix
+#define MR_JOIN(name, suffix) MR_JOIN_(name, suffix)
+#define MR_BATCH_NAME(name) MR_JOIN(mr_batch_##name, MR_BATCH_SUFFIX)
+
+#define mr_sine_cosine MR_BATCH_NAME(sine_cosine)
+#define mr_follow MR_BATCH_NAME(follow)
+#define mr_lead MR_BATCH_NAME(lead)
+#define mr_lead_box MR_BATCH_NAME(lead_box)
+#define mr_joint_geometry MR_BATCH_NAME(joint_geometry)
+#define mr_forward_recursion MR_BATCH_NAME(forward_recursion)
+#define mr_body_motions MR_BATCH_NAME(body_motions)
+#define mr_newton_euler MR_BATCH_NAME(newton_euler)
+#define mr_motion_sizes MR_BATCH_NAME(motion_sizes)
+#define mr_nominal_slack MR_BATCH_NAME(nominal_slack)
+#define mr_hull_slack MR_BATCH_NAME(hull_slack)
+#define mr_ianea MR_BATCH_NAME(ianea)
+#define mr_hull_deviation MR_BATCH_NAME(hull_deviation)
+#define mr_smooth_sign MR_BATCH_NAME(smooth_sign)
+#define mr_add_drives MR_BATCH_NAME(add_drives)
+#define mr_add_drives_box MR_BATCH_NAME(add_drives_box)
+#define mr_add_drives_deviation MR_BATCH_NAME(add_drives_deviation)
+#define mr_torque_box MR_BATCH_NAME(torque_box)
+#define mr_total_bounds MR_BATCH_NAME(total_bounds)
+
+#include "mr_environment.h"
+#include "mr_sincos.c"
+#include "mr_kinematics.c"
+#include "mr_newton_euler.c"
+#include "mr_drives.c"
+#include "mr_rounding.c"
+#include "mr_ianea.c"
+#include "mr_hull.c"
+#include "mr_torque.c"
+
+#define COUNT(type) (sizeof(type) / sizeof(mr_lane))
+
+/* Memory in registers of doubles, cut as mr_workspace_view does, plus four for the states. */
+static size_t registers(const mr_model *model) {
+    const size_t j = (size_t)model->j, b = (size_t)model->b;
+    return j * (COUNT(mr_link) + COUNT(mr_wrench_box) + COUNT(mr_size) + COUNT(mr_pose)) +
+           b * COUNT(mr_motion) + (9 + 4 + 4 + 4) * mr_padded(model);
+}
+
+size_t MR_JOIN(mr_batch_workspace_size, MR_BATCH_SUFFIX)(const mr_model *model) {
+    return (registers(model) + 1) * 8; /* the widest register has 8; one more to align */
+}
+
+static mr_lane *cut(mr_lane **memory, size_t count) {
+    mr_lane *part = *memory;
+    *memory += count;
+    return part;
+}
+
+static mr_workspace view_of(const mr_model *model, double *workspace, mr_lane *given[4]) {
+    const size_t j = (size_t)model->j, padded = mr_padded(model);
+    const uintptr_t start = (uintptr_t)workspace, past = start % sizeof(mr_lane);
+    mr_lane *memory = (mr_lane *)(start + (past ? sizeof(mr_lane) - past : 0));
+    mr_workspace ws;
+    ws.links = (mr_link *)cut(&memory, j * COUNT(mr_link));
+    ws.motions = (mr_motion *)cut(&memory, (size_t)model->b * COUNT(mr_motion));
+    ws.wrench.box = (mr_wrench_box *)cut(&memory, j * COUNT(mr_wrench_box));
+    ws.sizes = (mr_size *)cut(&memory, j * COUNT(mr_size));
+    ws.poses = (mr_pose *)cut(&memory, j * COUNT(mr_pose));
+    ws.axes = cut(&memory, 9 * padded);
+    ws.lo = cut(&memory, padded);
+    ws.hi = cut(&memory, padded);
+    ws.mid = cut(&memory, padded);
+    ws.slack = cut(&memory, padded);
+    ws.dq_a = ws.ddq_a = NULL;
+    for (int v = 0; v < 4; ++v) ws.full[v] = cut(&memory, padded);
+    for (int v = 0; v < 4; ++v) given[v] = cut(&memory, padded);
+    return ws;
+}
+
+/* Column i of up to a register's number of rows; the last row fills what is missing. */
+static mr_lane gather(const double *rows, int32_t n, int32_t i, int64_t count) {
+    double lane[MR_LANES];
+    for (int64_t l = 0; l < MR_LANES; ++l) lane[l] = rows[(l < count ? l : count - 1) * n + i];
+    return mr_lane_load(lane);
+}
+
+static mr_status check_row(const mr_model *model, const double *const given[4], int64_t row) {
+    const int32_t n = model->n;
+    for (int v = 0; v < 4; ++v)
+        if (!mr_all_finite(n, given[v] + row * n)) return MR_NOT_FINITE;
+    for (int32_t i = 0; i < n; ++i)
+        if (model->joint_type[i] == MR_REVOLUTE && fabs(given[0][row * n + i]) > MR_ANGLE_MAX)
+            return MR_ANGLE_RANGE;
+    for (int32_t k = 0; k < model->j - n; ++k) {
+        const double leader = given[0][row * n + model->leader[k]];
+        const double q = model->multiplier[k] * leader + model->offset[k];
+        if (model->joint_type[n + k] == MR_REVOLUTE && fabs(q) > MR_ANGLE_MAX)
+            return MR_ANGLE_RANGE;
+    }
+    return MR_OK;
+}
+
+/* Rows from `first` to first + count, at most a register's number of them. */
+static mr_status block(const mr_model *model, const mr_bounds *bounds, mr_method method,
+                       int64_t first, int64_t count, const double *const given[4], int drives,
+                       double *workspace, double *tau_lo, double *tau_hi, int64_t *row) {
+    const int32_t n = model->n;
+    mr_lane *lanes[4];
+    mr_workspace ws = view_of(model, workspace, lanes);
+    for (*row = first; *row < first + count; ++*row) {
+        const mr_status status = check_row(model, given, *row);
+        if (status) return status;
+    }
+    for (int v = 0; v < 4; ++v)
+        for (int32_t i = 0; i < n; ++i) lanes[v][i] = gather(given[v] + first * n, n, i, count);
+    mr_state state = {lanes[0], lanes[1], lanes[2], lanes[3]};
+    if (model->j > n) mr_follow(model, &state, ws.full);
+    mr_torque_box(model, bounds, method, &state, drives, &ws);
+    mr_total_bounds(model, method, &ws);
+    for (int32_t i = 0; i < n; ++i) {
+        double lo[MR_LANES], hi[MR_LANES];
+        mr_lane_store(ws.lo[i], lo);
+        mr_lane_store(ws.hi[i], hi);
+        for (int64_t l = 0; l < count; ++l) {
+            tau_lo[(first + l) * n + i] = lo[l];
+            tau_hi[(first + l) * n + i] = hi[l];
+        }
+    }
+    for (*row = first; *row < first + count; ++*row)
+        if (!mr_all_finite(n, tau_lo + *row * n) || !mr_all_finite(n, tau_hi + *row * n))
+            return MR_NOT_FINITE;
+    return MR_OK;
+}
+
+#define ENTRY MR_JOIN(mr_inverse_dynamics_bounds_batch, MR_BATCH_SUFFIX)
+
+mr_status ENTRY(const mr_model *model, const mr_bounds *bounds, mr_method method, int64_t count,
+                const double *q, const double *dq, const double *dq_a, const double *ddq_a,
+                int drives, double *workspace, double *tau_lo, double *tau_hi, int64_t *row) {
+    const double *const given[4] = {q, dq, dq_a, ddq_a};
+    const mr_environment caller = mr_enter();
+    mr_status status = MR_OK;
+    for (int64_t first = 0; first < count && !status; first += MR_LANES) {
+        const int64_t left = count - first;
+        status = block(model, bounds, method, first, left < MR_LANES ? left : MR_LANES, given,
+                       drives, workspace, tau_lo, tau_hi, row);
+    }
+    mr_leave(caller);
+    return status;
+}

@@ -1,0 +1,139 @@
+/* The exact range of g . x + x' Q x over the box |x_k| <= r_k, in each lane of a register, (19).
+ *
+ * Every lane's result depends on that lane alone: which of the three ways below it takes is
+ * selected at the end, so that it has the same bits whatever its neighbours hold. */
+#ifndef MR_QUADRATIC_H
+#define MR_QUADRATIC_H
+
+#include "mr_vector.h"
+
+typedef struct {
+    mr_lane g[3];
+    mr_lane Q[6]; /* xx xy xz yy yz zz */
+} mr_quadratic;
+
+static inline mr_lane mr_quadratic_value(const mr_quadratic *f, const mr_lane x[3]) {
+    const mr_lane *Q = f->Q;
+    const mr_lane square = Q[0] * x[0] * x[0] + Q[3] * x[1] * x[1] + Q[5] * x[2] * x[2];
+    const mr_lane mixed = Q[1] * x[0] * x[1] + Q[2] * x[0] * x[2] + Q[4] * x[1] * x[2];
+    return mr_dot(f->g, x) + (square + 2.0 * mixed);
+}
+
+/* Index of Q's entry for rows j and k. */
+static const int MR_ROW[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+
+/* The best t in |t| <= r for h t + q t^2. */
+static inline mr_lane mr_best_on_edge(mr_lane h, mr_lane q, mr_lane r) {
+    const mr_lane end = MR_LANE_COPYSIGN(r, h);
+    const mr_lane peak = h / (-2.0 * q); /* not a number, or infinite, where q is zero */
+    const mr_lane_mask inside = (q < 0.0) & (MR_LANE_ABS(peak) <= r);
+    return MR_LANE_SELECT(inside, peak, end);
+}
+
+/* Largest value where the function is monotonic in every direction but at most one. */
+static inline mr_lane mr_max_one_open(const mr_quadratic *f, const mr_lane r[3],
+                                      const mr_lane_mask open[3]) {
+    mr_lane x[3];
+    for (int k = 0; k < 3; ++k) x[k] = MR_LANE_COPYSIGN(r[k], f->g[k]);
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        const mr_lane h =
+            f->g[k] + 2.0 * (f->Q[MR_ROW[k][i]] * x[i] + f->Q[MR_ROW[k][j]] * x[j]);
+        const mr_lane best = mr_best_on_edge(h, f->Q[MR_ROW[k][k]], r[k]);
+        x[k] = MR_LANE_SELECT(open[k], best, x[k]);
+    }
+    return mr_quadratic_value(f, x);
+}
+
+#define MR_CLAMP(t, r) MR_LANE_SELECT((t) > (r), r, MR_LANE_SELECT((t) < -(r), -(r), t))
+#define MR_KEEP_BEST(ok, value) \
+    best = MR_LANE_SELECT((ok) & ((value) > best), value, best)
+
+/* Largest value by all faces: the 12 edges with their ends, the 6 sides, the inside. A stationary
+ * point counts only where all pivots of -Q on the face are positive, and is moved into the box,
+ * where any point's value is a lower bound of the maximum. */
+static mr_lane mr_max_by_faces(const mr_quadratic *f, const mr_lane r[3]) {
+    const mr_lane *g = f->g, *Q = f->Q;
+    mr_lane x[3] = {-r[0], -r[1], -r[2]};
+    mr_lane best = mr_quadratic_value(f, x);
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        const mr_lane qk = Q[MR_ROW[k][k]], qi = Q[MR_ROW[i][i]], qj = Q[MR_ROW[j][j]];
+        const mr_lane qki = Q[MR_ROW[k][i]], qkj = Q[MR_ROW[k][j]], qij = Q[MR_ROW[i][j]];
+        for (int corner = 0; corner < 4; ++corner) { /* edges along k */
+            x[i] = corner & 1 ? r[i] : -r[i];
+            x[j] = corner & 2 ? r[j] : -r[j];
+            x[k] = mr_best_on_edge(g[k] + 2.0 * (qki * x[i] + qkj * x[j]), qk, r[k]);
+            const mr_lane value = mr_quadratic_value(f, x);
+            MR_KEEP_BEST(value == value, value);
+        }
+        for (int end = 0; end < 2; ++end) { /* sides on which k is fixed */
+            x[k] = end ? r[k] : -r[k];
+            const mr_lane right_i = 0.5 * g[i] + qki * x[k], right_j = 0.5 * g[j] + qkj * x[k];
+            const mr_lane ratio = qij / qi;
+            const mr_lane pivot = qij * ratio - qj;
+            const mr_lane_mask concave = (qi < 0.0) & (pivot > 0.0);
+            x[j] = (right_j - ratio * right_i) / pivot;
+            x[j] = MR_CLAMP(x[j], r[j]);
+            x[i] = (right_i + qij * x[j]) / -qi;
+            x[i] = MR_CLAMP(x[i], r[i]);
+            const mr_lane value = mr_quadratic_value(f, x);
+            MR_KEEP_BEST(concave, value);
+        }
+    }
+    const mr_lane a = -Q[0], b = Q[1] / Q[0], c = Q[2] / Q[0]; /* elimination in -Q x = g / 2 */
+    const mr_lane d = Q[1] * b - Q[3], e = Q[2] * b - Q[4], h = Q[2] * c - Q[5];
+    const mr_lane ratio = e / d, pivot = h - e * ratio;
+    const mr_lane right_1 = 0.5 * (g[1] - b * g[0]), right_2 = 0.5 * (g[2] - c * g[0]);
+    const mr_lane_mask concave = (a > 0.0) & (d > 0.0) & (pivot > 0.0);
+    x[2] = (right_2 - ratio * right_1) / pivot;
+    x[2] = MR_CLAMP(x[2], r[2]);
+    x[1] = (right_1 - e * x[2]) / d;
+    x[1] = MR_CLAMP(x[1], r[1]);
+    x[0] = (0.5 * g[0] + Q[1] * x[1] + Q[2] * x[2]) / a;
+    x[0] = MR_CLAMP(x[0], r[0]);
+    const mr_lane value = mr_quadratic_value(f, x);
+    MR_KEEP_BEST(concave, value);
+    return best;
+}
+
+/* lo, hi <- the range; lanes outside `active` cost no extra time and hold anything. */
+static inline void mr_quadratic_range(const mr_quadratic *f, const mr_lane r[3],
+                                      mr_lane_mask active, mr_lane *lo, mr_lane *hi) {
+    mr_lane_mask open[3];
+    const mr_lane *Q = f->Q, *g = f->g;
+    mr_lane size[6], at_end[3];
+    for (int k = 0; k < 6; ++k) size[k] = MR_LANE_ABS(Q[k]);
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        const mr_lane bend = size[MR_ROW[k][k]] * r[k] + size[MR_ROW[k][i]] * r[i] +
+                             size[MR_ROW[k][j]] * r[j];
+        open[k] = (MR_LANE_ABS(g[k]) < 2.0 * bend) & active;
+        at_end[k] = MR_LANE_COPYSIGN(r[k], g[k]);
+    }
+    const mr_lane square =
+        Q[0] * at_end[0] * at_end[0] + Q[3] * at_end[1] * at_end[1] + Q[5] * at_end[2] * at_end[2];
+    const mr_lane mixed = Q[1] * at_end[0] * at_end[1] + Q[2] * at_end[0] * at_end[2] +
+                          Q[4] * at_end[1] * at_end[2];
+    const mr_lane slope = mr_dot(g, at_end), bend = square + 2.0 * mixed;
+    *hi = slope + bend;
+    *lo = bend - slope;
+    const mr_lane_mask some = open[0] | open[1] | open[2];
+    if (!mr_lane_any(some)) return;
+
+    mr_quadratic negative;
+    for (int k = 0; k < 3; ++k) negative.g[k] = -g[k];
+    for (int k = 0; k < 6; ++k) negative.Q[k] = -Q[k];
+    const mr_lane above = mr_max_one_open(f, r, open);
+    const mr_lane below = -mr_max_one_open(&negative, r, open);
+    *hi = MR_LANE_SELECT(some, above, *hi);
+    *lo = MR_LANE_SELECT(some, below, *lo);
+    const mr_lane_mask several =
+        (open[0] & open[1]) | (open[0] & open[2]) | (open[1] & open[2]);
+    if (!mr_lane_any(several)) return;
+    const mr_lane highest = mr_max_by_faces(f, r), lowest = -mr_max_by_faces(&negative, r);
+    *hi = MR_LANE_SELECT(several, highest, *hi);
+    *lo = MR_LANE_SELECT(several, lowest, *lo);
+}
+
+#endif

@@ -1,0 +1,35 @@
+/* The constants of the rounding bound. docs/guarantees.md derives every one of them from counts of
+ * operations, and a test derives them again. In units of u, the rounding to nearest. */
+#ifndef MR_ROUNDING_H
+#define MR_ROUNDING_H
+
+#define MR_U 0x1p-53
+
+#define MR_CONSTANT_ROTATION 2.0 /* entries of a constant rotation are its nearest doubles */
+#define MR_CONSTANT_LEVER 1.0
+#define MR_CONSTANT_AXIS 1.0
+#define MR_ROTATION 19.0 /* of a link to its parent */
+#define MR_LEVER 15.0    /* between joint and link frame */
+
+/* Errors grow with the depth of the tree: per joint on the way, and once. */
+#define MR_MOTION_JOINT 52.0 /* acceleration and moment of a body, before mass */
+#define MR_MOTION_ONCE 44.0
+#define MR_NOMINAL_JOINT 79.0 /* torque of NE*; each body and joint adds its summation */
+#define MR_NOMINAL_ONCE 80.0
+#define MR_CHANGE_JOINT 196.0 /* the hull's deviation from it */
+#define MR_CHANGE_ONCE 300.0
+
+/* How often a link's rotation enters the two, for followers, whose angle is rounded itself. */
+#define MR_NOMINAL_TURNS 3.0
+#define MR_CHANGE_TURNS 7.0
+
+/* Second-order terms and the rounding of the sizes, for rates up to MR_RATE_MAX. */
+#define MR_SECOND_ORDER (1.0 + 0x1p-19)
+#define MR_RATE_MAX 0x1p-21
+
+/* Added to each size: underflow is then no larger than rounding. Beyond the other limit a
+ * product could overflow unseen. */
+#define MR_TINY 0x1p-960
+#define MR_HUGE 0x1p900
+
+#endif
