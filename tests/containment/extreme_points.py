@@ -1,0 +1,143 @@
+"""Points of a parameter box: those that drive one joint's torque to its ends, and random ones.
+
+The hull is the range itself, so that these points touch it: whatever rounding took from a bound
+shows. They are found in doubles from the exact coefficients; a point that is a little off the best
+is still a point of the box.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any
+
+import numpy as np
+from ball_dynamics import MONOMIALS, Coefficients
+from flint import arb
+
+from modrobust.robot import Robot
+
+CORNERS = np.array(list(product((0, 1), repeat=3)), dtype=bool)  # (8, 3)
+
+
+def parameter_points(rng: np.random.Generator, robot: Robot, rows: Coefficients, most: int) -> Any:
+    """Packed points (k, 10 b + 3 j): nominal, both extremes of some joints, corners, interior."""
+    lower, upper = robot.lower.packed, robot.upper.packed
+    joints = np.arange(robot.n)
+    if 2 * robot.n > most:
+        joints = rng.choice(joints, most // 2, replace=False)
+    extremes = extreme_points(robot, rows, joints)
+    inside = np.clip(lower + rng.random((4, len(lower))) * (upper - lower), lower, upper)
+    corners = [robot.corner_parameters(rng).packed for _ in range(2)]
+    return np.vstack([robot.nominal.packed, *extremes, *corners, *inside])
+
+
+def extreme_points(robot: Robot, rows: Coefficients, joints: Any) -> Any:
+    """For each of the joints a point of largest and one of smallest torque (2 len, 10 b + 3 j)."""
+    lower, nominal, upper = robot.lower, robot.nominal, robot.upper
+    moving = robot.body_joints >= 0
+    bodies = np.array([[float(x) for x in rows.bodies[i]] for i in joints])
+    bodies = bodies.reshape(len(joints), -1, MONOMIALS)
+    drives = np.array([[float(x) for x in rows.drives[i]] for i in joints])
+    drives = drives.reshape(len(joints), -1, 3)
+    count = len(joints)
+
+    def spread(values: Any) -> Any:
+        return np.broadcast_to(values, (2 * count, *values.shape)).copy()
+
+    mass, com, six = spread(nominal.mass), spread(nominal.com), spread(_six(nominal.inertia))
+    packed_drives = []
+    with np.errstate(all="ignore"):
+        for k, upwards in enumerate((1.0, -1.0)):
+            where = slice(k * count, (k + 1) * count)
+            f = upwards * bodies
+            up = f[..., 10:] >= 0.0
+            six[where, moving] = np.where(
+                up, _six(upper.inertia[moving]), _six(lower.inertia[moving])
+            )
+            mass[where, moving], com[where, moving] = _mass_and_com(
+                f, nominal.mass[moving], lower.mass[moving], upper.mass[moving],
+                nominal.com[moving], lower.com[moving], upper.com[moving],
+            )  # fmt: skip
+            g = upwards * drives
+            packed_drives.append(
+                np.concatenate(
+                    [
+                        np.where(g[..., 0] >= 0.0, upper.viscous, lower.viscous),
+                        # its sign is the point's choice: the largest always reaches farther
+                        np.broadcast_to(upper.coulomb, g[..., 1].shape),
+                    ],
+                    axis=1,
+                )
+            )
+            rotor = np.where(g[..., 2] >= 0.0, upper.rotor_inertia, lower.rotor_inertia)
+            packed_drives[-1] = np.concatenate([rotor, packed_drives[-1]], axis=1)
+    body_part = [x.reshape(2 * count, -1) for x in (mass, com, six)]
+    return np.concatenate([*body_part, np.concatenate(packed_drives)], axis=1)
+
+
+def _mass_and_com(
+    f: Any, m0: Any, m_lo: Any, m_hi: Any, c0: Any, c_lo: Any, c_hi: Any
+) -> tuple[Any, Any]:
+    """m and c of largest m (k + g . c + c' Q c), by ascent along the axes from every corner."""
+    Q = np.empty((*f.shape[:-1], 3, 3))
+    for at, (i, k) in enumerate(((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))):
+        Q[..., i, k] = Q[..., k, i] = f[..., 4 + at] * (1.0 if i == k else 0.5)
+    slope = f[..., 1:4] + 2.0 * np.einsum("jbik,bk->jbi", Q, c0)  # at the nominal com
+    at_nominal = (
+        f[..., 0]
+        + np.einsum("jbi,bi->jb", f[..., 1:4], c0)
+        + np.einsum("bi,jbik,bk->jb", c0, Q, c0)
+    )
+    shape = (8, *f.shape[:2], 3)
+    c = np.where(CORNERS[:, None, None, :], c_hi, c_lo) * np.ones(shape)
+    for axis in (0, 1, 2, 0, 1):
+        d = c - c0
+        d[..., axis] = 0.0
+        b = slope[..., axis] + 2.0 * np.einsum("jbk,sjbk->sjb", Q[..., axis, :], d)
+        a = Q[..., axis, axis]
+        still = np.nan_to_num(-b / (2.0 * a)) + c0[:, axis]
+        still = np.clip(still, c_lo[:, axis], c_hi[:, axis])
+        ends = np.stack([np.broadcast_to(x, b.shape) for x in (c_lo[:, axis], c_hi[:, axis])])
+        choices = np.concatenate([ends, still[None]])
+        x = choices - c0[:, axis]
+        best = np.argmax(b * x + a * x * x, axis=0)
+        c[..., axis] = np.take_along_axis(choices, best[None], axis=0)[0]
+    d = c - c0
+    gain = np.einsum("jbi,sjbi->sjb", slope, d) + np.einsum("sjbi,jbik,sjbk->sjb", d, Q, d)
+    start = np.argmax(np.nan_to_num(gain, nan=-np.inf), axis=0)
+    c = np.take_along_axis(c, start[None, ..., None], axis=0)[0]
+    gain = np.take_along_axis(gain, start[None], axis=0)[0]
+    values = [(m - m0) * at_nominal + m * gain for m in (m_lo, m_hi)]
+    return np.where(values[0] > values[1], m_lo, m_hi), c
+
+
+def _six(inertia: Any) -> Any:
+    return inertia[..., (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)]
+
+
+def monomials(
+    robot: Robot, packed: Any, rows: Coefficients, signs: list[arb]
+) -> tuple[list[Any], list[Any], list[Any]]:
+    """The point's vectors for the rows of `Coefficients`, exact.
+
+    Bodies (16 b'), drives (3 j) with the given signs of Coulomb friction, and with the smooth law.
+    """
+    b, j = robot.b, robot.j
+    mass, com = packed[:b].tolist(), packed[b : 4 * b].reshape(b, 3).tolist()
+    six = packed[4 * b : 10 * b].reshape(b, 6).tolist()
+    rotor, viscous, coulomb = packed[10 * b :].reshape(3, j).tolist()
+    bodies: list[Any] = []
+    for k, joint in enumerate(robot.body_joints.tolist()):
+        if joint < 0:
+            continue
+        m = arb(mass[k])
+        x, y, z = (arb(value) for value in com[k])
+        mx, my, mz = m * x, m * y, m * z
+        bodies += [m, mx, my, mz, mx * x, mx * y, mx * z, my * y, my * z, mz * z]
+        bodies += six[k]
+    drives: list[Any] = []
+    smooth: list[Any] = []
+    for i in range(j):
+        drives += [viscous[i], signs[i] * coulomb[i], rotor[i]]
+        smooth += [viscous[i], rows.smooth_sign[i] * coulomb[i], rotor[i]]
+    return bodies, drives, smooth
