@@ -13,11 +13,14 @@ if TYPE_CHECKING:
 
     from rich.table import Table
 
+    from modrobust.robot import Robot
+
 EXAMPLES = """\b
 Examples:
   modrobust bench
   modrobust bench lwa4p my-robot.yaml --repeat 10
   modrobust bench lwa4p-paper --json
+  modrobust bench --peers
 
 \b
 Ctrl-C ends early: what was measured is shown, the exit code is 130.
@@ -38,6 +41,9 @@ def bench(
     lock: Lock = None,
     tolerance: Tolerance = None,
     payload: Payload = None,
+    peers: Annotated[
+        bool, typer.Option("--peers", help="Only times, beside those of other libraries.")
+    ] = False,
     json: Json = False,
 ) -> None:
     """Measure the time of a command, its growth with the joints, and the tightness of the bounds.
@@ -49,6 +55,9 @@ def bench(
 
     options = (base, tip, lock, tolerance, payload)
     robots = [robot(file, *options) for file in files or ["lwa4p-paper"]]
+    if peers:
+        compare(robots, json)
+        return
     with ProgressBar("Measuring") as bar:
         result = benchmark(robots, repeat=repeat, progress=lambda what, done: bar(done, label=what))
     figures = result.to_dict()
@@ -67,6 +76,29 @@ def bench(
         )
     if diverged:
         raise typer.Exit(1)
+
+
+def compare(robots: list[Robot], json: bool) -> None:
+    """Compare with the libraries that are installed; say which are not."""
+    from modrobust.cli.bench_peers import print_peers
+    from modrobust.cli.output import note, print_json
+    from modrobust.peers import compare_with_peers
+
+    reports = []
+    for item in robots:
+        reports.append(compare_with_peers(item, announce=note))
+        if reports[-1].interrupted:
+            break
+    if json:
+        print_json([report.to_dict() for report in reports])
+    else:
+        for report in reports:
+            print_peers(report.to_dict())
+    for sentence in dict.fromkeys(s for report in reports for s in report.absent.values()):
+        note(sentence)
+    if reports[-1].interrupted:
+        note("interrupted; what was measured until then is kept")
+        raise typer.Exit(130)
 
 
 def print_benchmark(figures: Mapping[str, Any]) -> None:
