@@ -19,66 +19,79 @@ from modrobust.robot import Robot
 CORNERS = np.array(list(product((0, 1), repeat=3)), dtype=bool)  # (8, 3)
 
 
-def parameter_points(rng: np.random.Generator, robot: Robot, rows: Coefficients, most: int) -> Any:
-    """Packed points (k, 10 b + 3 j): nominal, both extremes of some joints, corners, interior."""
+def sign_options(robot: Robot, rows: Coefficients) -> list[list[arb]]:
+    """For each joint the signs that (20) allows: smooth and sgn(dq), or any where |dq| <= v_c."""
+    options = []
+    speeds = robot.coulomb_speed.tolist()
+    for dq, smooth, v_c in zip(rows.dq, rows.smooth_sign, speeds, strict=True):
+        slow = bool(abs(dq) < 0.999 * v_c)  # decided in balls; faster, dq is not 0
+        options.append([smooth, arb(1), arb(-1)] if slow else [smooth, arb(1 if dq > 0 else -1)])
+    return options
+
+
+def parameter_points(
+    rng: np.random.Generator, robot: Robot, rows: Coefficients, most: int
+) -> tuple[Any, list[list[arb]]]:
+    """Packed points (k, 10 b + 3 j) and the signs of their Coulomb friction (k, j).
+
+    Nominal, corners and interior with random signs, then both extremes of some joints.
+    """
     lower, upper = robot.lower.packed, robot.upper.packed
     joints = np.arange(robot.n)
     if 2 * robot.n > most:
         joints = rng.choice(joints, most // 2, replace=False)
-    extremes = extreme_points(robot, rows, joints)
     inside = np.clip(lower + rng.random((4, len(lower))) * (upper - lower), lower, upper)
     corners = [robot.corner_parameters(rng).packed for _ in range(2)]
-    return np.vstack([robot.nominal.packed, *extremes, *corners, *inside])
-
-
-def extreme_points(robot: Robot, rows: Coefficients, joints: Any) -> Any:
-    """For each of the joints a point of largest and one of smallest torque (2 len, 10 b + 3 j)."""
-    lower, nominal, upper = robot.lower, robot.nominal, robot.upper
-    moving = robot.body_joints >= 0
+    points = [robot.nominal.packed, *corners, *inside]
+    options = sign_options(robot, rows)
+    signs = [[option[rng.integers(len(option))] for option in options] for _ in points]
     bodies = np.array([[float(x) for x in rows.bodies[i]] for i in joints])
     bodies = bodies.reshape(len(joints), -1, MONOMIALS)
     drives = np.array([[float(x) for x in rows.drives[i]] for i in joints])
     drives = drives.reshape(len(joints), -1, 3)
-    count = len(joints)
-
-    def spread(values: Any) -> Any:
-        return np.broadcast_to(values, (2 * count, *values.shape)).copy()
-
-    mass, com, six = spread(nominal.mass), spread(nominal.com), spread(_six(nominal.inertia))
-    packed_drives = []
     with np.errstate(all="ignore"):
-        for k, upwards in enumerate((1.0, -1.0)):
-            where = slice(k * count, (k + 1) * count)
-            f = upwards * bodies
-            up = f[..., 10:] >= 0.0
-            six[where, moving] = np.where(
-                up, _six(upper.inertia[moving]), _six(lower.inertia[moving])
-            )
-            mass[where, moving], com[where, moving] = _mass_and_com(
-                f, nominal.mass[moving], lower.mass[moving], upper.mass[moving],
-                nominal.com[moving], lower.com[moving], upper.com[moving],
-            )  # fmt: skip
-            g = upwards * drives
-            packed_drives.append(
-                np.concatenate(
-                    [
-                        np.where(g[..., 0] >= 0.0, upper.viscous, lower.viscous),
-                        # its sign is the point's choice: the largest always reaches farther
-                        np.broadcast_to(upper.coulomb, g[..., 1].shape),
-                    ],
-                    axis=1,
-                )
-            )
-            rotor = np.where(g[..., 2] >= 0.0, upper.rotor_inertia, lower.rotor_inertia)
-            packed_drives[-1] = np.concatenate([rotor, packed_drives[-1]], axis=1)
-    body_part = [x.reshape(2 * count, -1) for x in (mass, com, six)]
-    return np.concatenate([*body_part, np.concatenate(packed_drives)], axis=1)
+        for upwards in (1.0, -1.0):
+            heavy = _extreme_bodies(robot, upwards * bodies)
+            stiff, chosen = _extreme_drives(robot, upwards * drives, options)
+            points += list(np.concatenate([heavy, stiff], axis=1))
+            signs += chosen
+    return np.array(points), signs
 
 
-def _mass_and_com(
-    f: Any, m0: Any, m_lo: Any, m_hi: Any, c0: Any, c_lo: Any, c_hi: Any
-) -> tuple[Any, Any]:
+def _extreme_bodies(robot: Robot, f: Any) -> Any:
+    """mass, com and inertia of largest torque under coefficients f (rows, b', 16)."""
+    lower, nominal, upper = robot.lower, robot.nominal, robot.upper
+    moving = robot.body_joints >= 0
+    full = [
+        np.repeat(values[None], len(f), axis=0)
+        for values in (nominal.mass, nominal.com, _six(nominal.inertia))
+    ]
+    full[0][:, moving], full[1][:, moving] = _mass_and_com(
+        f,
+        (lower.mass[moving], nominal.mass[moving], upper.mass[moving]),
+        (lower.com[moving], nominal.com[moving], upper.com[moving]),
+    )
+    ends = (_six(point.inertia[moving]) for point in (upper, lower))
+    full[2][:, moving] = np.where(f[..., 10:] >= 0.0, *ends)
+    return np.concatenate([x.reshape(len(f), -1) for x in full], axis=1)
+
+
+def _extreme_drives(robot: Robot, f: Any, options: list[list[arb]]) -> tuple[Any, list[list[arb]]]:
+    """rotor inertia, viscous, coulomb of largest torque under f (rows, j, 3); and the signs."""
+    up = f >= 0.0
+    lower, upper = robot.lower, robot.upper
+    rotor = np.where(up[..., 2], upper.rotor_inertia, lower.rotor_inertia)
+    viscous = np.where(up[..., 0], upper.viscous, lower.viscous)
+    ends = [(max(option, key=float), min(option, key=float)) for option in options]
+    signs = [[end[not x] for end, x in zip(ends, row, strict=True)] for row in up[..., 1]]
+    pushing = np.array([[float(x) for x in row] for row in signs]).reshape(f.shape[:2])
+    coulomb = np.where((pushing >= 0.0) == up[..., 1], upper.coulomb, lower.coulomb)
+    return np.concatenate([rotor, viscous, coulomb], axis=1), signs
+
+
+def _mass_and_com(f: Any, mass: Any, com: Any) -> tuple[Any, Any]:
     """m and c of largest m (k + g . c + c' Q c), by ascent along the axes from every corner."""
+    (m_lo, m0, m_hi), (c_lo, c0, c_hi) = mass, com
     Q = np.empty((*f.shape[:-1], 3, 3))
     for at, (i, k) in enumerate(((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))):
         Q[..., i, k] = Q[..., k, i] = f[..., 4 + at] * (1.0 if i == k else 0.5)

@@ -12,6 +12,7 @@ from modrobust.robot import Robot
 
 KINDS = ("usual", "rest", "right angles", "fast", "far", "tiny", "huge", "mixed", "weightless")
 SHARES = (0.3, 0.08, 0.1, 0.12, 0.1, 0.08, 0.05, 0.07, 0.1)
+CANCELLED = "cancelled"
 TINY = (0.0, 5e-324, 1e-320, 2.3e-308, 1e-300, 1e-160, 1e-100, 1e-30, 1e-9)
 
 
@@ -30,8 +31,10 @@ def signed(rng: np.random.Generator, low: float, high: float, n: int) -> Any:
     return rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(low, high, n)
 
 
-def random_signals(rng: np.random.Generator, robot: Robot) -> tuple[str, Signals]:
-    """The kind, and a state of it."""
+def random_signals(
+    rng: np.random.Generator, robot: Robot, sparse: bool = False
+) -> tuple[str, Signals]:
+    """The kind, and a state of it; sparse: most rates are 0, the others of any size."""
     n = robot.n
     kind = str(rng.choice(KINDS, p=SHARES))
     slides = np.array([joint == "prismatic" for joint in robot.joint_types[:n]])
@@ -61,13 +64,24 @@ def random_signals(rng: np.random.Generator, robot: Robot) -> tuple[str, Signals
         q, dq, dq_des, ddq_des = (signed(rng, -200, 4, n) for _ in range(4))
         for vector in (q, dq, dq_des, ddq_des):
             vector[rng.random(n) < 0.2] = 0.0
+    if sparse:
+        kind = "sparse"
+        dq, dq_des, ddq_des = (
+            signed(rng, -12, 12, n) * (rng.random(n) < 0.6) * (rng.random() < 0.6) for _ in range(3)
+        )
     if rng.random() < 0.1:  # one joint moves, the rest stand: near-singular quadratics
         keep = np.arange(n) == rng.integers(n)
         dq, dq_des, ddq_des = (x * keep for x in (dq, dq_des, ddq_des))
     q = np.clip(q, -reach, reach)
     q_des = q.copy()
-    if rng.random() < 0.5:
+    if rng.random() < (0.2 if sparse else 0.5):
         q_des = np.clip(q + rng.normal(size=n) * 10.0 ** rng.uniform(-9, 0), -reach, reach)
+    if sparse and rng.random() < 0.6:
+        if rng.random() < 0.5:  # no feedback of velocity in ddq_a
+            dq_des = dq
+        else:  # the feedback is cancelled, ddq_a is 0 while dq_a is not dq
+            kind = CANCELLED
+            ddq_des = -np.array(robot.controller.K_r) * (dq_des - dq)
     if kind == "weightless":  # the nominal torque cancels, down to its rounding
         q_des, dq_des = q, dq
         with suppress(mr.ModrobustError):  # random tensors need not be those of bodies

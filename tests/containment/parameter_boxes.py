@@ -31,7 +31,7 @@ def sides(rng: np.random.Generator, nominal: Any, size: float, kind: str) -> tup
     if kind == "mixed":  # some entries exact, some bounded on one side only
         down, up = (np.where(rng.random(nominal.shape) < 0.5, 0.0, x) for x in (down, up))
     lo, hi = nominal - down, nominal + up
-    if kind == "ulp":
+    if kind == "ulp" and size > 0.0:
         lo, hi = np.nextafter(nominal, -np.inf), np.nextafter(nominal, np.inf)
     return lo, hi
 
@@ -57,8 +57,10 @@ def symmetric(matrices: Any) -> Any:
     return upper + np.triu(matrices, 1).swapaxes(-1, -2)
 
 
-def box(rng: np.random.Generator, b: int, j: int) -> tuple[Parameters, Parameters, Parameters]:
-    """Nominal, lower and upper point for b bodies and j joints."""
+def box(
+    rng: np.random.Generator, b: int, j: int, sparse: bool
+) -> tuple[Parameters, Parameters, Parameters]:
+    """Nominal, lower and upper point for b bodies and j joints; sparse: most entries are 0."""
     shared = str(rng.choice(KINDS, p=SHARES)) if rng.random() < 0.6 else None
     points: list[dict[str, list[Any]]] = [{"mass": [], "com": [], "inertia": []} for _ in range(3)]
     for _ in range(b):
@@ -68,6 +70,9 @@ def box(rng: np.random.Generator, b: int, j: int) -> tuple[Parameters, Parameter
         com = rng.uniform(-reach, reach, 3) * (rng.random(3) < 0.8)
         I_size = magnitude(rng, 0.01, 6.0)
         inertia = symmetric(tensor(rng, I_size))
+        if sparse:
+            reach, I_size = reach * (rng.random() < 0.4), I_size * (rng.random() < 0.4)
+            com, inertia = com * (reach > 0.0), inertia * (I_size > 0.0)
         mass_lo, mass_hi = sides(rng, mass, float(mass), kind)
         if kind == "wide" and rng.random() < 0.3:  # a payload that may be absent
             mass_lo = np.array(0.0)
@@ -84,8 +89,8 @@ def box(rng: np.random.Generator, b: int, j: int) -> tuple[Parameters, Parameter
     for name, usual in (("rotor_inertia", 1e-5), ("viscous", 10.0), ("coulomb", 5.0)):
         kind = str(rng.choice(KINDS, p=SHARES))
         nominal = np.array([magnitude(rng, usual, 6.0) for _ in range(j)])
-        nominal = nominal * (rng.random(j) < 0.8)
-        lo, hi = sides(rng, nominal, 0.0 if kind == "ulp" else usual, kind)
+        nominal = nominal * (rng.random(j) < (0.2 if sparse else 0.8))
+        lo, hi = sides(rng, nominal, 0.0 if sparse else usual, kind)
         for point, value in zip(arrays, (nominal, np.maximum(lo, 0.0), hi), strict=True):
             point[name] = value
     nominal_point, lower, upper = (Parameters(**point) for point in arrays)
@@ -100,11 +105,11 @@ def disturbance(rng: np.random.Generator, n: int) -> Bounded:
     return Bounded(ends[1], ends[0], ends[2])
 
 
-def make_robot(rng: np.random.Generator, written: Written) -> Robot:
+def make_robot(rng: np.random.Generator, written: Written, sparse: bool = False) -> Robot:
     """The robot of the nearest doubles, with a random box."""
     n, j = written.n, len(written.parents)
     b = len(written.body_joints)
-    nominal, lower, upper = box(rng, b, j)
+    nominal, lower, upper = box(rng, b, j, sparse)
     return Robot(
         name="written",
         gravity=np.array([float(x) for x in written.gravity]),

@@ -22,7 +22,8 @@ from typing import Any
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))  # shared helpers of the tests
 
-from containment_cases import Outcome, run_seed  # noqa: E402
+from ball_comparison import Outcome  # noqa: E402
+from containment_cases import run_seed  # noqa: E402
 
 import modrobust  # noqa: E402  (after the path)
 

@@ -144,7 +144,7 @@ def angle(rng: np.random.Generator, axis: str) -> Move:
 
 
 def length(rng: np.random.Generator, axis: str, reach: float) -> Move:
-    if rng.random() < 0.3:
+    if reach == 0.0 or rng.random() < 0.3:
         return axis, Fraction(0)
     if rng.random() < 0.15:  # from an atom's breadth to a kilometre
         reach = 10.0 ** rng.uniform(-9, 3)
@@ -164,8 +164,14 @@ def span(rng: np.random.Generator, reach: float) -> list[Move]:
     return moves + span(rng, reach) if rng.random() < 0.1 else moves
 
 
-def random_written(rng: np.random.Generator, n: int, followers: int) -> Written:
-    """A random robot with n free joints and that many followers."""
+def random_written(
+    rng: np.random.Generator, n: int, followers: int, sparse: bool = False
+) -> Written:
+    """A random robot with n free joints and that many followers.
+
+    sparse: Without gravity and with few lengths, so that no large torque hides the rounding of
+    another.
+    """
     j = n + followers
     share = rng.choice([0.0, 0.3, 1.0], p=[0.4, 0.5, 0.1])  # of prismatic joints
     tree = rng.random() < 0.3
@@ -180,16 +186,22 @@ def random_written(rng: np.random.Generator, n: int, followers: int) -> Written:
     gravity = [Fraction(0), Fraction(0), Fraction(-981, 100)]
     if rng.random() < 0.3:
         gravity = [decimal(rng, 10.0) for _ in range(3)]
+    if sparse:
+        gravity = [Fraction(0)] * 3
+
+    def some_reach() -> float:
+        return 10.0 ** rng.uniform(-9, 3) * (rng.random() < 0.4) if sparse else reach
+
     drive = rng.random() < 0.7
     return Written(
         prismatic=(rng.random(j) < share).tolist(),
         parents=parents,
-        base=span(rng, reach),
-        before=[span(rng, reach) if rng.random() < 0.4 else [] for _ in range(j)],
-        after=[span(rng, reach) for _ in range(j)],
+        base=span(rng, some_reach()),
+        before=[span(rng, some_reach()) if rng.random() < 0.4 else [] for _ in range(j)],
+        after=[span(rng, some_reach()) for _ in range(j)],
         gravity=gravity,
         body_joints=body_joints,
-        placement=[span(rng, reach) if rng.random() < 0.5 else [] for _ in body_joints],
+        placement=[span(rng, some_reach()) if rng.random() < 0.5 else [] for _ in body_joints],
         gear_ratio=[abs(decimal(rng, 200.0)) * drive for _ in range(j)],
         coulomb_speed=[
             Fraction(int(rng.integers(1, 100))) * Fraction(10) ** int(rng.integers(-6, -1))
