@@ -30,7 +30,7 @@ def print_peers(figures: Mapping[str, Any]) -> None:
 
 
 def _print_alone(subjects: list[Any], remarks: list[str]) -> None:
-    """Calls one by one; the slowest state by its least time, free of what interrupts the machine."""
+    """Calls one by one; a state's own time is its least, free of what interrupts the machine."""
     from modrobust.cli.output import microseconds, show, table
 
     rows = table("", "mean", "std", "max", "slowest state")

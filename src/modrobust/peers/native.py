@@ -61,7 +61,7 @@ def measure(
         subjects: What is measured.
         flags: How the kernel is compiled, a key of `FLAGS`.
         rounds: How often every subject is run over all states, in turn.
-        singles: How often each call is timed by itself.
+        singles: How often each call is timed by itself; 0 for not at all.
         announce: Told when a compilation of minutes begins.
 
     Raises:
@@ -80,8 +80,8 @@ def measure(
         found[name, int(which)] = np.array([float.fromhex(value) for value in values])
     timings = []
     for k, subject in enumerate(subjects):
-        alone = found.get(("singles", k))
-        shaped = None if alone is None else alone.reshape(singles, -1)
+        alone = found.get(("singles", k), np.empty(0))
+        shaped = alone.reshape(singles, -1) if alone.size else None
         timings.append(Timing(subject.name, found["rounds", k], shaped))
     differs = found.get(("disagreement", 0))
     return Answer(tuple(timings), None if differs is None else float(differs[0]), found["clock", 0])
