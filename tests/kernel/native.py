@@ -46,6 +46,7 @@ class Model(Structure):
         ("body_joint", Ints),
         ("placement", Doubles),
         ("gravity", c_double * 3),
+        ("folded", Doubles),
     )
 
 
@@ -183,10 +184,10 @@ class Native:
 
     def __init__(self, library: ctypes.CDLL, robot: Robot, memory: Memory) -> None:
         self._lib, self._robot, self._memory = library, robot, memory
-        for name in ("workspace", "dynamics_workspace", "prepared"):
-            if hasattr(library, f"mr_{name}_size"):
-                getattr(library, f"mr_{name}_size").restype = c_size_t
+        for name in ("folded", "prepared", "workspace", "batch_workspace", "dynamics_workspace"):
+            getattr(library, f"mr_{name}_size").restype = c_size_t
         self.n, f = robot.n, robot.followers
+        x, y, z = (row * g for row, g in zip(robot.base[:3, :3], robot.gravity, strict=True))
         self._model = Model(
             n=robot.n,
             j=robot.j,
@@ -202,8 +203,11 @@ class Native:
             offset=memory.doubles(f.offset),
             body_joint=memory.ints(robot.body_joints),
             placement=memory.transforms(robot.placement),
-            gravity=(c_double * 3)(*(robot.base[:3, :3].T @ robot.gravity)),
+            gravity=(c_double * 3)(*(x + y + z)),
         )
+        folded = memory.empty(self._size("folded"))
+        library.mr_fold(byref(self._model), folded)
+        self._model.folded = folded
         self._nominal = self._point(robot.nominal)
         self._bounds = self._box()
 
@@ -229,10 +233,8 @@ class Native:
             uncertain=m.ints(taken(uncertain, robot.b)[:count]),
             uncertain_count=count,
         )
-        if not hasattr(self._lib, "mr_prepare"):
-            return bounds
         prepared = m.empty(self._size("prepared"))
-        assert self._lib.mr_prepare(byref(self._model), byref(bounds), prepared) == 0
+        self._lib.mr_prepare(byref(self._model), byref(bounds), prepared)
         bounds.prepared = prepared
         return bounds
 
@@ -256,6 +258,29 @@ class Native:
     def bounds(self, method: str, state: Sequence[Any], drives: bool) -> Any:
         arguments = [byref(self._bounds), METHODS[method], *state, int(drives)]
         return self._call("inverse_dynamics_bounds", arguments, 2)
+
+    def slack(self, state: Sequence[Any], drives: bool) -> Any:
+        """What rounding may add to either end of the hull."""
+        return self._call("bounds_slack", [byref(self._bounds), *state, int(drives)], 1)
+
+    def batch(self, method: str, states: Sequence[Sequence[Any]], drives: bool) -> Any:
+        """Lower and upper bounds (2, k, n) of k states."""
+        with Memory() as m:
+            k, rows = len(states), (np.array(x) for x in zip(*states, strict=True))
+            lo, hi, row = m.empty(k * self.n), m.empty(k * self.n), ctypes.c_int64()
+            status = self._lib.mr_inverse_dynamics_bounds_batch(
+                byref(self._model),
+                byref(self._bounds),
+                METHODS[method],
+                ctypes.c_int64(k),
+                *(m.doubles(x) for x in rows),
+                int(drives),
+                m.empty(self._size("batch_workspace")),
+                lo,
+                hi,
+                byref(row),
+            )
+            return status, np.array([taken(lo, k, self.n), taken(hi, k, self.n)])
 
     def perturbation(self, method: str, state: Sequence[Any]) -> Any:
         """Rows: nominal torque, lower and upper bound."""

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 from kernel_cases import State, by_extension, by_native, differences, robots, states
-from native import Memory, Native, build, sincos
+from native import METHODS, Memory, Native, build, sincos
 
 from modrobust import _kernel
 from modrobust.robot import Robot
 
-CASES = 200
+CASES = 120
 BUILDS = [
     (name, flags)
     for name in ("gcc", "clang")
@@ -62,3 +62,18 @@ def test_a_build_computes_the_same_bits(
     assert wrong == []
     for x in angles:
         assert sincos(library, x) == _kernel.sincos(x), x.hex()
+
+
+def test_a_row_of_the_batch_has_the_bits_of_the_single_call() -> None:
+    """For every place in a register, for what is left over, and for every number of threads."""
+    rng = np.random.default_rng(6)
+    for robot in robots(7, 40):
+        box = robot.model, robot.nominal.packed, robot.lower.packed, robot.upper.packed
+        count, threads = int(rng.integers(1, 40)), int(rng.integers(1, 4))
+        rows = [rng.normal(size=(count, robot.n)) * 3.0 for _ in range(4)]
+        for code in METHODS.values():
+            many = _kernel.inverse_dynamics_bounds_batch(*box, *rows, code, True, threads)
+            for k in range(count):
+                state = (np.ascontiguousarray(x[k]) for x in rows)
+                single = _kernel.inverse_dynamics_bounds(*box, *state, code, True)
+                assert many[:, k].tobytes() == single.tobytes(), (robot.name, code, count, k)

@@ -1,0 +1,86 @@
+"""Results do not hang on the floating-point environment of the caller, and leave it as it was.
+
+Each environment is tried in a process of its own: a rounding mode set, subnormals flushed, floating
+point exceptions that trap, and a library built with fast-math loaded before or preloaded.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from kernel_cases import beyond_native, by_extension, robots, states
+from native import compiler
+
+HERE = Path(__file__).parent
+KINDS = ("upward", "downward", "towards_zero", "flushing", "flushing_upward", "trapping")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Holds the library of environment.c, one built with fast-math, and the expected results."""
+    folder = tmp_path_factory.mktemp("environment")
+    rng = np.random.default_rng(0)
+    cases = [
+        (robot, state, by_extension(robot, state) | beyond_native(robot, state))
+        for robot in robots(3, 24)
+        for state in states(rng, robot.n)
+    ]
+    (folder / "cases").write_bytes(pickle.dumps(cases))
+    cc = compiler("gcc")
+    subprocess.run(
+        [cc, "-O1", "-shared", "-fPIC", HERE / "environment.c", "-lm", "-o", folder / "fenv.so"],
+        check=True,
+    )
+    # gcc 13 no longer links it into shared libraries by itself; others still carry it.
+    startup = subprocess.check_output([cc, "-print-file-name=crtfastmath.o"], text=True).strip()
+    subprocess.run(
+        [cc, "-shared", "-fPIC", "-ffast-math", "-nostartfiles", startup, "-o", folder / "fast.so"],
+        check=True,
+    )
+    return folder
+
+
+def run(folder: Path, kind: str, preload: str = "") -> dict[str, Any]:
+    answer = subprocess.run(
+        [sys.executable, HERE / "environment_run.py", folder / "fenv.so", kind, folder / "cases"],
+        check=True,
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(HERE.parent), "LD_PRELOAD": preload},
+    )
+    return json.loads(answer.stdout)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_environment_is_hostile(kind: str, folder: Path) -> None:
+    """So that equality below means something: a sum, or a subnormal, differs from the usual."""
+    fenv = ctypes.CDLL(str(folder / "fenv.so"))
+    fenv.environment.restype = ctypes.c_uint64
+    usual = fenv.environment()
+    fenv[f"be_{kind}"]()
+    changed = fenv.environment()
+    fenv.be_normal()
+    assert changed != usual
+    assert fenv.environment() == usual
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_results_and_the_callers_environment_are_as_ever(kind: str, folder: Path) -> None:
+    answer = run(folder, kind)
+    assert answer["wrong"] == []
+    assert answer["changed"] == []
+
+
+def test_a_library_built_with_fast_math_changes_nothing(folder: Path) -> None:
+    normal = run(folder, "given")
+    answer = run(folder, "given", preload=str(folder / "fast.so"))
+    assert answer["was"] != normal["was"]  # subnormals are flushed in all of that process
+    assert answer["wrong"] == answer["changed"] == []
