@@ -50,6 +50,13 @@ class Outcome:
         self.used_hull = max(self.used_hull, other.used_hull)
         self.used_rounding = max(self.used_rounding, other.used_rounding)
 
+    def summary(self) -> str:
+        return (
+            f"{self.cases:,} cases, {self.states:,} states, {self.refused:,} refused, "
+            f"{len(self.violations)} violations; exact torques used at most {self.used_hull:.2g} "
+            f"of the hull's slack and {self.used_rounding:.2g} of the stated rounding of NE*"
+        )
+
 
 def check_state(
     robot: Robot,

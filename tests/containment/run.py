@@ -27,7 +27,7 @@ from containment_cases import run_seed  # noqa: E402
 
 import modrobust  # noqa: E402  (after the path)
 
-BLOCK = 40  # seeds
+BLOCK = 10  # seeds
 PLAIN = argparse.RawDescriptionHelpFormatter
 
 
@@ -81,12 +81,7 @@ def outcomes(jobs: int, blocks: Iterator[int]) -> Iterator[tuple[int, Outcome]]:
 
 
 def line(total: Outcome, goal: int, rate: float) -> str:
-    return (
-        f"{total.cases:,} of {goal:,} cases, {total.states:,} states, {total.refused:,} refused, "
-        f"{len(total.violations)} violations; largest share used of the hull's slack "
-        f"{total.used_hull:.3g}, of the rounding bound of NE* {total.used_rounding:.3g}; "
-        f"{rate:.2f} ms a case"
-    )
+    return f"{total.cases:,} of {goal:,} cases: {total.summary()}; {rate:.2f} ms a case"
 
 
 def main() -> int:

@@ -1,0 +1,42 @@
+"""The command for millions of cases: it goes on where it stopped and says what it found."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+COMMAND = Path(__file__).with_name("run.py")
+
+
+def run(*options: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, str(COMMAND), *options], capture_output=True, text=True, check=False
+    )
+
+
+def test_a_run_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    state = tmp_path / "state.jsonl"
+    first = run("--cases", "1", "--jobs", "1", "--state", str(state))
+    assert first.returncode == 0, first.stderr
+    with state.open("a") as file:
+        file.write('{"of": "cut o')  # as a machine that went down leaves it
+    done = json.loads(state.read_text().splitlines()[0])["cases"]
+    second = run("--cases", str(done + 1), "--jobs", "2", "--state", str(state))
+    assert second.returncode == 0, second.stderr
+    lines = [line for line in state.read_text().splitlines() if line.endswith("}")]
+    assert [json.loads(line)["block"] for line in lines] == [0, 1]
+    total = sum(json.loads(line)["cases"] for line in lines)
+    assert f"{total:,} of {done + 1:,} cases" in second.stdout
+    assert "0 violations" in second.stdout
+    third = run("--cases", "1", "--state", str(state))
+    assert f"{total:,} of 1 cases" in third.stdout
+
+
+def test_a_state_of_other_sources_is_refused(tmp_path: Path) -> None:
+    state = tmp_path / "state.jsonl"
+    state.write_text('{"of": "other", "block": 0}\n')
+    answer = run("--cases", "1", "--state", str(state))
+    assert answer.returncode == 1
+    assert "made with other sources" in answer.stderr

@@ -1,0 +1,106 @@
+"""Without the care for rounding, containment fails: so these tests can see it missing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from containment_cases import run_seed
+from kernel_answers import Bound, Query, bounds_slack
+
+from modrobust.robot import Robot
+from oracle import box, newton_euler
+
+SEEDS = range(40)
+
+
+def without_slack(robot: Robot, query: Query, bounds: list[Bound]) -> list[Bound]:
+    """The hulls without what they hold for rounding."""
+    slack = {drives: bounds_slack(robot, query, drives) for drives in (True, False)}
+    return [
+        replace(bound, lo=bound.lo + slack[bound.drives], hi=bound.hi - slack[bound.drives])
+        for bound in bounds
+        if "hull" in bound.name
+    ]
+
+
+def ianea_in_plain_doubles(robot: Robot, query: Query, bounds: list[Bound]) -> list[Bound]:
+    """Algorithm 1 as transcribed, rounded to nearest."""
+    if robot.j > robot.n:
+        return []
+    u = newton_euler(robot, box(robot), *query.vectors(), drives=False)
+    return [
+        replace(bound, lo=u.lo, hi=u.hi)
+        for bound in bounds
+        if bound.name == "torque ianea, drives False"
+    ]
+
+
+def plainly_subtracted(keep: str) -> Callable[[Robot, Query, list[Bound]], list[Bound]]:
+    """(12) from the guaranteed bounds of the torque, u0 and [d] subtracted to nearest."""
+
+    def change(robot: Robot, query: Query, bounds: list[Bound]) -> list[Bound]:
+        torque = {bound.name: bound for bound in bounds}.get(f"torque {keep}, drives True")
+        if torque is None:
+            return []
+        d = robot.disturbance
+        return [
+            replace(
+                bound,
+                lo=torque.lo - bound.nominal - d.hi,
+                hi=torque.hi - bound.nominal - d.lo,
+            )
+            for bound in bounds
+            if bound.name == f"perturbation {keep}"
+        ]
+
+    return change
+
+
+def nominal_without_slack(robot: Robot, query: Query, bounds: list[Bound]) -> list[Bound]:
+    """(12) from hulls without slack, u0 subtracted to nearest, [d] left to the exact side."""
+    plain = {b.name: b for b in without_slack(robot, query, bounds)}
+    torque = plain.get("torque hull, drives True")
+    if torque is None or any(np.any(x) for x in (robot.disturbance.lo, robot.disturbance.hi)):
+        return []
+    nominal = plain["perturbation hull"].nominal
+    return [replace(plain["perturbation hull"], lo=torque.lo - nominal, hi=torque.hi - nominal)]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        without_slack,
+        ianea_in_plain_doubles,
+        plainly_subtracted("hull"),
+        plainly_subtracted("ianea"),
+        nominal_without_slack,
+    ],
+    ids=[
+        "hull without slack",
+        "ianea to nearest",
+        "u0 and d subtracted to nearest from the hull",
+        "u0 and d subtracted to nearest from ianea",
+        "u0 subtracted to nearest",
+    ],
+)
+def test_rounding_left_out_is_seen(change: Any) -> None:
+    with np.errstate(all="ignore"):
+        assert any(run_seed(seed, change).violations for seed in SEEDS)
+
+
+def test_bounds_a_millionth_of_the_slack_short_are_not_seen() -> None:
+    """The other way round: what is seen is rounding, no error of the comparison."""
+
+    def nearly(robot: Robot, query: Query, bounds: list[Bound]) -> list[Bound]:
+        slack = bounds_slack(robot, query, True)
+        return [
+            replace(bound, lo=bound.lo + 1e-6 * slack, hi=bound.hi - 1e-6 * slack)
+            for bound in bounds
+            if bound.name == "torque hull, drives True"
+        ]
+
+    assert not any(run_seed(seed, nearly).violations for seed in range(8))
