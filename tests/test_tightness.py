@@ -18,9 +18,10 @@ from tightness_population import THRESHOLD, Case, boxed, cases, summary
 
 WIDEST = 1.02  # of the true range, at any joint
 MEAN = 1.001
+# Largest ratio at true widths of 1e-9 of the largest torque, up to 30 joints turning at 10 rad/s
+SLACK_SHOWS = 2.0
 UNCERTAINTIES = [0.01, 0.05, 0.1, 0.5]
 LONG_DOUBLE = 1e-17  # of the largest torque, what the reference itself may be wrong by
-SHORT = 1e-14  # of the largest torque; LONG_DOUBLE once the kernel encloses its rounding
 
 
 @pytest.mark.parametrize("uncertainty", UNCERTAINTIES)
@@ -29,17 +30,31 @@ def test_hull_is_as_wide_as_the_true_range(uncertainty: float) -> None:
     assert len(found.ratios) > 1500
     assert found.ratios.max() <= WIDEST, found.worst
     assert found.ratios.mean() <= MEAN
-    assert found.short <= SHORT
+    assert found.short <= LONG_DOUBLE
 
 
-def test_hull_is_as_wide_as_the_true_range_where_little_is_unknown() -> None:
-    # true widths about 1e-9 of the largest torque, where rounding weighs most
-    many = [case for u in (1e-9, 3e-9, 1e-8) for case in cases(u, 60, 3)]
-    many += cases(1e-8, 5, 4, joints=30)
-    found = summary(many, widest=10 * THRESHOLD)
+@pytest.mark.parametrize("uncertainty", UNCERTAINTIES)
+def test_hull_is_as_wide_as_the_true_range_where_few_parameters_are_unknown(
+    uncertainty: float,
+) -> None:
+    found = summary(cases(uncertainty, 60, 9, share=0.05))
     assert len(found.ratios) > 500
     assert found.ratios.max() <= WIDEST, found.worst
-    assert found.short <= SHORT
+    assert found.ratios.mean() <= MEAN
+    assert found.short <= LONG_DOUBLE
+
+
+def test_hull_is_as_wide_as_the_true_range_where_next_to_nothing_is_unknown() -> None:
+    # true widths about 1e-9 of the largest torque, where the slack for rounding weighs most
+    many = [case for u in (1e-9, 3e-9, 1e-8) for case in cases(u, 60, 3)]
+    many += cases(1e-8, 5, 4, joints=30)
+    slow = summary([c for c in many if c.rate < 1.0 and c.robot.n <= 12], widest=10 * THRESHOLD)
+    assert len(slow.ratios) > 200
+    assert slow.ratios.max() <= WIDEST, slow.worst
+    found = summary(many, widest=10 * THRESHOLD)
+    assert len(found.ratios) > 700
+    assert found.ratios.max() <= SLACK_SHOWS, found.worst
+    assert found.short <= LONG_DOUBLE
 
 
 @pytest.mark.parametrize("name", builtin_robots())
@@ -57,7 +72,7 @@ def test_hull_of_the_built_in_robots_is_as_wide_as_the_true_range(name: str) -> 
     assert len(found.ratios) > 0
     assert found.ratios.max() <= WIDEST, found.worst
     assert found.ratios.mean() <= MEAN
-    assert found.short <= SHORT
+    assert found.short <= LONG_DOUBLE
 
 
 @pytest.mark.parametrize("uncertainty", [1e-9, 0.01, 0.5])

@@ -29,6 +29,7 @@ class Case:
     state: Any
     drives: bool
     label: str
+    rate: float = 0.0
 
     def judged(self) -> tuple[Any, Any, Any]:
         """Per joint: width of the hull over the true one, true width over the largest torque,
@@ -42,8 +43,8 @@ class Case:
             return (hi - lo) / width, width / size, short
 
 
-def boxed(robot: Robot, uncertainty: float, rng: np.random.Generator) -> Robot:
-    """The robot with that relative uncertainty on every parameter, nominal off the middle.
+def boxed(robot: Robot, uncertainty: float, rng: np.random.Generator, share: float = 1.0) -> Robot:
+    """The robot with that relative uncertainty on a share of its parameters, nominal off-centre.
 
     A centre of mass is uncertain by its distance from the body's origin, an inertia by its largest
     entry, as tolerances on bodies read from a file are; or each entry by itself.
@@ -57,6 +58,8 @@ def boxed(robot: Robot, uncertainty: float, rng: np.random.Generator) -> Robot:
             axes = tuple(range(1, nominal.ndim))
             scale = np.broadcast_to(scale.max(axis=axes, keepdims=True), nominal.shape)
         down, up = rng.uniform(0.3, 1.0, (2, *nominal.shape)) * uncertainty * scale
+        if share < 1.0:
+            down, up = np.where(rng.random(nominal.shape) < share, (down, up), 0.0)
         if field.name == "inertia":
             down, up = symmetric(down), symmetric(up)
         sides[field.name] = (nominal - down, nominal + up)
@@ -67,20 +70,23 @@ def boxed(robot: Robot, uncertainty: float, rng: np.random.Generator) -> Robot:
     )
 
 
-def cases(uncertainty: float, robots: int, seed: int, joints: int | None = None) -> Iterable[Case]:
+def cases(
+    uncertainty: float, robots: int, seed: int, joints: int | None = None, share: float = 1.0
+) -> Iterable[Case]:
     """Two states, at two speeds, of each of so many random robots of 1 to 12 joints."""
     for k in range(robots):
         rng = np.random.default_rng([seed, k])
         n = joints or 1 + k % 12
         simple, tree, drives = (bool(flag) for flag in rng.random(3) < (0.25, 0.25, 0.5))
-        simple = simple and n > 1  # one joint along gravity, at rest, asks for no torque to judge by
+        # a single joint along gravity asks for no torque at rest: nothing to judge by
+        simple = simple and n > 1
         robot = random_robot(
             rng, n, simple=simple, tree=tree and not simple, width="exact", drives=drives
         )
-        robot = boxed(robot, uncertainty, rng)
+        robot = boxed(robot, uncertainty, rng, share)
         for rate in (rng.choice([0.0, 0.1]), rng.choice([1.0, 10.0])):
             label = f"seed {seed}, robot {k}, n {n}, rate {rate}, {simple=}, {tree=}, {drives=}"
-            yield Case(robot, random_state(rng, n, rate), drives, label)
+            yield Case(robot, random_state(rng, n, rate), drives, label, float(rate))
 
 
 @dataclass
@@ -109,14 +115,15 @@ def summary(many: Iterable[Case], narrowest: float = THRESHOLD, widest: float = 
 
 if __name__ == "__main__":
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
-    for uncertainty in (0.5, 0.1, 0.05, 0.01, 1e-7, 1e-8, 1e-9):
-        for joints, robots in ((None, count), (30, count // 20)):
-            found = summary(cases(uncertainty, robots, seed=1, joints=joints))
-            if not len(found.ratios):
-                continue
+    for uncertainty, share in (
+        *((u, share) for u in (0.5, 0.1, 0.05, 0.01) for share in (1.0, 0.05)),
+        *((u, 1.0) for u in (1e-7, 1e-8, 1e-9)),
+    ):
+        for joints, robots in ((None, count), (30, max(1, count // 20))):
+            found = summary(cases(uncertainty, robots, 1, joints, share))
             print(
-                f"uncertainty {uncertainty:g}, {joints or '1 to 12'} joints, {len(found.ratios)} "
-                f"ratios: mean 1 + {found.ratios.mean() - 1:.3g}, largest 1 + "
+                f"{uncertainty:g} on {share:.0%} of the parameters, {joints or '1 to 12'} joints, "
+                f"{len(found.ratios)} ratios: mean 1 + {found.ratios.mean() - 1:.3g}, largest 1 + "
                 f"{found.ratios.max() - 1:.3g}, least 1 + {found.ratios.min() - 1:.3g}, "
                 f"short by {found.short:.3g}\n    largest at {found.worst}"
             )
