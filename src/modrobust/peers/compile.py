@@ -39,7 +39,7 @@ Announce = Callable[[str], None]
 
 
 class CompilerError(ModrobustError):
-    """The compiler refused the measuring program; the message holds its last words."""
+    """The compiler refused the measuring program; the message holds its first error."""
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,7 @@ def _made(
             [*command, *sources, "-o", str(new)], capture_output=True, text=True, check=False
         )
         if done.returncode:
-            said = " ".join(done.stderr.split())[-500:]
+            said = " ".join(done.stderr[max(done.stderr.find("error:"), 0) :].split())[:300]
             raise CompilerError(f"{command[0]} failed on {name}: {said}")
         new.replace(place)  # whole or not at all, if two processes compile at once
     return place

@@ -243,6 +243,8 @@ int main(void) {
         subjects[k].gains.method = (mr_method)integer();
     }
     const int32_t rounds = integer(), singles = integer();
+    char more;
+    require(scanf(" %c", &more) == EOF, "the job is longer than expected");
 
 #ifdef WITH_PEER
     peer_load(&p.model, &bounds[0].nominal, order);

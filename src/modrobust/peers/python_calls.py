@@ -69,7 +69,7 @@ def pinocchio_python(robot: Robot, states: int = 200) -> Comparison:
     )
 
 
-def numpy_transcription(robot: Robot, states: int = 20) -> Comparison:
+def numpy_transcription(robot: Robot, states: int = 10) -> Comparison:
     """Our functions against Algorithm 1 written line by line in NumPy, tests/oracle.py.
 
     Raises:
