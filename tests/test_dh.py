@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from modrobust.assembly import load_robot
-from modrobust.dh import dh_table
-from modrobust.geometry import (
+from float_transforms import (
     dh_standard,
     from_xyz_rpy,
     rotation_x,
     rotation_z,
     translation,
 )
+from modrobust.assembly import load_robot
+from modrobust.dh import dh_table
 
 REVOLUTE, PRISMATIC = "revolute", "prismatic"
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from modrobust.geometry import from_xyz_rpy, translation
+from float_transforms import from_xyz_rpy, translation
 from modrobust.report import Masses, exact_groups, report
 from modrobust.robot import Bounded, ControllerSettings, Parameters, Robot
 

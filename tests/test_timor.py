@@ -13,9 +13,9 @@ import pytest
 from numpy.typing import NDArray
 
 import modrobust as mr
+from float_transforms import from_xyz_rpy, rotation_x
 from modrobust.errors import FileError, InputError, ValueRangeError
 from modrobust.formats import load_module
-from modrobust.geometry import from_xyz_rpy, rotation_x
 from modrobust.timor import Import, import_timor, inertia_reading, rpy_of, write_modules
 
 Array = NDArray[np.float64]

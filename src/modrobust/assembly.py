@@ -8,14 +8,16 @@ next one (or the tip), in order,
 
 are the ``after`` of joint i and the placement of a body at the start of S_j: all that follows the
 motion of joint i is one link, whatever modules it spreads over. Spans before the first joint are
-its ``before``; bodies there belong to the base (joint -1) with placement S_1 ... S_(j-1).
+its ``before``; bodies there belong to the base (joint -1) with placement S_1 ... S_(j-1). The
+spans are as written, and each of these products is rounded to doubles once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import reduce
+from itertools import accumulate
+from operator import matmul
 from os import PathLike
 from pathlib import Path
 from reprlib import repr as short
@@ -27,7 +29,7 @@ from modrobust.catalogue import builtin_robots
 from modrobust.construction import build
 from modrobust.errors import FileError, ValueRangeError
 from modrobust.formats import Assembly, BodyItem, load_assembly
-from modrobust.geometry import inverse
+from modrobust.geometry import IDENTITY, Transform
 from modrobust.mounting import EndStep, JointStep, Mounted, SpanStep, mount_chain
 from modrobust.names import did_you_mean
 from modrobust.options import urdf_assembly, with_options
@@ -131,20 +133,31 @@ class _Steps:
 
     joints: list[JointStep] = field(default_factory=list)
     bodies: list[_Body] = field(default_factory=list)
-    spans: list[list[Array]] = field(default_factory=lambda: [[]])
+    spans: list[list[Transform]] = field(default_factory=lambda: [[]])
     ends: dict[str, tuple[int, int]] = field(default_factory=dict)  # instance: link, position
 
     def parts(self, mounted: Mounted) -> Parts:
         """The same with transforms: ``before`` only of the first joint, ``after`` of all."""
         last = len(self.joints) - 1
+        on_base, *on_links = self.spans
+        behind = list(accumulate(on_base, matmul, initial=IDENTITY))
+        ahead = [
+            list(accumulate(reversed(spans), lambda far, near: near @ far, initial=IDENTITY))[::-1]
+            for spans in on_links
+        ]
+
+        def frame(link: int, position: int) -> Array:
+            there = behind[position] if link < 0 else ahead[link][position].inverse()
+            return there.rounded()
+
         return Parts(
             joints=tuple(
                 PlacedJoint(
                     step.name,
                     step.item,
                     i - 1,
-                    _product(self.spans[0]) if i == 0 else np.eye(4),
-                    _product(self.spans[i + 1]),
+                    behind[-1].rounded() if i == 0 else np.eye(4),
+                    ahead[i][0].rounded(),
                 )
                 for i, step in enumerate(self.joints)
             ),
@@ -152,25 +165,18 @@ class _Steps:
                 PlacedBody(
                     body.name,
                     body.link,
-                    self._frame(body.link, body.position),
+                    frame(body.link, body.position),
                     body.item.mass,
                     body.item.com,
                     body.item.inertia,
                 )
                 for body in self.bodies
             ),
-            ends={name: (end[0], self._frame(*end)) for name, end in self.ends.items()},
+            ends={name: (end[0], frame(*end)) for name, end in self.ends.items()},
             tip=(last, np.eye(4)),
             notes=mounted.notes,
             nodes=mounted.nodes,
         )
-
-    def _frame(self, link: int, position: int) -> Array:
-        """A frame in its link frame, exactly the identity at the end of the link's spans."""
-        spans = self.spans[link + 1]
-        if link < 0:
-            return _product(spans[:position])
-        return inverse(_product(spans[position:]))
 
 
 def _collect(mounted: Mounted) -> _Steps:
@@ -189,7 +195,3 @@ def _collect(mounted: Mounted) -> _Steps:
             spans.append(step.item.span)
             steps.bodies.append(_Body(step.name, link, position, step.item))
     return steps
-
-
-def _product(transforms: Sequence[Array]) -> Array:
-    return reduce(np.matmul, transforms) if transforms else np.eye(4)

@@ -47,7 +47,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
     robot = Robot(
         name=description.name,
         gravity=np.array(description.gravity),
-        base=description.base,
+        base=description.base.rounded(),
         joint_names=names,
         joint_types=tuple(joint.item.type for joint in joints),
         parents=np.array([joint.parent for joint in joints], dtype=np.int32),

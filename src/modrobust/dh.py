@@ -101,7 +101,7 @@ def dh_table(parents: Sequence[int] | NDArray[np.int32], before: Array, after: A
         theta = _wrapped(step.theta - phi)
         rows.append(DHRow(step.a, step.alpha, step.d - h + 0.0, theta, step.near_parallel))
         h, phi = step.h, step.phi
-    tool = translation((0.0, 0.0, -h)) @ rotation_z(-phi) + 0.0
+    tool = (translation((0.0, 0.0, -h)) @ rotation_z(-phi)).rounded()
     return DHTable(base=before[0].copy() if n else np.eye(4), rows=tuple(rows), tool=tool)
 
 

@@ -10,9 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from modrobust.catalogue import Library
 from modrobust.formats import (
     Assembly,
@@ -25,11 +22,9 @@ from modrobust.formats import (
     NestedItem,
     instance_names,
 )
-from modrobust.geometry import rotation_z
+from modrobust.geometry import Transform, rotation_z
 from modrobust.mating import RULE, clocking_problem, describe, mating_problem
 from modrobust.robot import ModuleNode
-
-Array = NDArray[np.float64]
 
 _MOST_INSTANCES = 10_000  # compound modules multiply; this ends such a bomb early
 
@@ -50,11 +45,11 @@ class BodyStep:
     item: BodyItem
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class SpanStep:
-    """A rigid transform ``(4, 4)`` without mass."""
+    """A rigid transform without mass."""
 
-    span: Array
+    span: Transform
 
 
 @dataclass(frozen=True)
@@ -160,7 +155,7 @@ class _Mounter:
     def _mount(
         self, module: Module, item: NestedItem, instance: str, inside: tuple[str, ...]
     ) -> ModuleNode:
-        if item.mount != 0.0:
+        if item.mount:
             self.steps.append(SpanStep(rotation_z(item.mount)))
         self._remark(module, instance)
         children = self.chain(module.items, f"{instance}.", (*inside, module.id))
@@ -224,7 +219,7 @@ def _check_mating(below: Module, above: Module, item: NestedItem, field: str) ->
             f'"{below.id}" (out: {describe(out)}): {problem}; {RULE}; '
             'see "modrobust modules" for what fits',
         )
-    problem = clocking_problem(out, into, item.mount)
+    problem = clocking_problem(out, into, float(item.mount))
     if problem:
         raise item.where.error(
             f"{field}.mount",

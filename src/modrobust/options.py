@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from modrobust.errors import ValueRangeError
 from modrobust.formats import Assembly, Controller, MapNode, ScalarNode, Where
 from modrobust.formats.assembly import GRAVITY, read_payload
@@ -17,6 +15,7 @@ from modrobust.formats.models import PayloadModel
 from modrobust.formats.module import ModuleFields
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.part_models import ToleranceModel
+from modrobust.geometry import IDENTITY
 
 _INSTEAD = {
     "base": "leave it out",
@@ -33,7 +32,7 @@ def urdf_assembly(path: Path) -> Assembly:
         name="",  # the URDF's own
         file=path,
         modules=(),
-        base=np.eye(4),
+        base=IDENTITY,
         gravity=GRAVITY,
         chain=(),
         payload=None,

@@ -27,12 +27,8 @@ def synthetic_chain(n: int, uncertainty: float = 0.05) -> Robot:
     """
     if n < 1:
         raise ValueRangeError(f"n: {n}; a chain has at least 1 joint")
-    after = np.array(
-        [
-            dh_standard(0.1 * (i % 2), math.pi / 2 if i % 2 else -math.pi / 2, 0.1 * (1 - i % 2), 0)
-            for i in range(n)
-        ]
-    )
+    even, odd = dh_standard(0.0, -math.pi / 2, 0.1, 0.0), dh_standard(0.1, math.pi / 2, 0.0, 0.0)
+    after = np.array([(odd if i % 2 else even).rounded() for i in range(n)])
     identity = np.tile(np.eye(4), (n, 1, 1))
     scale = 1.0 / (1.0 + 0.05 * np.arange(n, dtype=np.float64))
     com = np.tile([-0.02, 0.01, 0.015], (n, 1))  # [m]

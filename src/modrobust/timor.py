@@ -29,7 +29,7 @@ from modrobust.errors import DescriptionError, FileError, ValueRangeError
 from modrobust.formats import MapNode, Node
 from modrobust.formats.inertia import positive_definite, steiner
 from modrobust.formats.json_reader import parse_json
-from modrobust.geometry import inverse, rotation_x
+from modrobust.geometry import Transform, rotation_x
 from modrobust.timor_reader import (
     EFFORT,
     Body,
@@ -254,7 +254,7 @@ def _chain(
     notes: list[str],
 ) -> list[str]:
     lines: list[str] = []
-    frame = inverse(start[1].pose @ rotation_x(math.pi))
+    frame = (start[1].pose @ rotation_x(math.pi)).inverse()
     names: set[str] = {"in", "out"}
     for count, (body, joint) in enumerate(path, 1):
         ahead = end[1].pose if joint is None else joint.to_joint
@@ -277,7 +277,12 @@ def _chain(
 
 
 def _body_lines(
-    body: Body, name: str, ahead: Array, inertia_about: str | None, default: str, notes: list[str]
+    body: Body,
+    name: str,
+    ahead: Transform,
+    inertia_about: str | None,
+    default: str,
+    notes: list[str],
 ) -> list[str]:
     readings = inertia_reading(body.mass, body.com, body.tensor)
     about = inertia_about or (readings[0] if len(readings) == 1 else default)
@@ -349,10 +354,11 @@ def _connector(key: str, connector: Connector) -> list[str]:
     return [f"  {key}: {{type: {kind}{size}, gender: {connector.gender}}}"]
 
 
-def _span(transform: Array) -> list[str]:
+def _span(transform: Transform) -> list[str]:
     """``span:`` of a transform, nothing for the identity."""
-    xyz = [round(float(value), _DIGITS) + 0.0 for value in transform[:3, 3]]
-    rpy = [_angle(value) for value in rpy_of(transform[:3, :3])]
+    pose = transform.rounded()
+    xyz = [round(float(value), _DIGITS) + 0.0 for value in pose[:3, 3]]
+    rpy = [_angle(value) for value in rpy_of(pose[:3, :3])]
     parts = []
     if any(xyz):
         parts.append(f"xyz: [{', '.join(f'{value:.12g}' for value in xyz)}]")

@@ -9,12 +9,10 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.errors import FileError
 from modrobust.formats import ListNode, MapNode, Node, ScalarNode, Where
-
-Array = NDArray[np.float64]
+from modrobust.geometry import Transform, from_rows
 
 MAX_BYTES = 1 << 20
 EFFORT = {"revolute": "torque", "continuous": "torque", "prismatic": "force"}
@@ -34,7 +32,7 @@ class Body:
 @dataclass(frozen=True, eq=False)
 class Connector:
     id: str
-    pose: Array
+    pose: Transform
     gender: str
     type: str
     size: str
@@ -46,8 +44,8 @@ class Joint:
     parent: str
     child: str
     type: str
-    to_joint: Array  # parent body to joint
-    to_child: Array  # joint to child body
+    to_joint: Transform  # parent body to joint
+    to_child: Transform  # joint to child body
     fields: MapNode
 
 
@@ -193,11 +191,11 @@ def _numbers(node: Node, length: int, field: str) -> list[str]:
     return [_number(item, field) for item in members(node, field, length)]
 
 
-def _pose(node: Node, field: str) -> Array:
+def _pose(node: Node, field: str) -> Transform:
     rows = [_numbers(row, 4, field) for row in members(node, field, 4)]
-    matrix = np.array([[float(text) for text in row] for row in rows])
+    matrix = np.array(rows, dtype=np.float64)
     turned = matrix[:3, :3]
     rigid = np.allclose(turned @ turned.T, np.eye(3), atol=1e-6) and np.linalg.det(turned) > 0.0
     if not rigid or not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
         raise node.where.error(field, "not a rigid transform; correct it")
-    return matrix
+    return from_rows([[Fraction(text) for text in row] for row in rows[:3]])

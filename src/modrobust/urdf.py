@@ -11,7 +11,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.errors import DescriptionError
 from modrobust.formats.overlay import UrdfSource
@@ -25,8 +24,6 @@ from modrobust.urdf_followers import within_followers
 from modrobust.urdf_items import inertial_key, is_frame, is_point, read_body, read_urdf_joint
 from modrobust.urdf_reader import Description, Inertial, read_description
 from modrobust.urdf_tree import Selection, select
-
-Array = NDArray[np.float64]
 
 _MANY = 3  # links of a robot do not share one tensor by chance
 _WIDE = 1.0  # [m], a radius of gyration beyond which a link of an arm is hardly real
@@ -58,8 +55,8 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
             motion.joint.name,
             read_urdf_joint(motion.joint, source.joints.get(motion.joint.name), tolerances, notes),
             motion.parent,
-            motion.before,
-            motion.after,
+            motion.before.rounded(),
+            motion.after.rounded(),
             motion.follows,
         )
         for motion in chosen.motions
@@ -77,11 +74,12 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
             "no bounds are given: every figure of the URDF is taken as exact; give --tolerance "
             '"mass=5%, com=5 mm, inertia=10%" or an assembly file with bounds',
         )
+    ends = {name: (joint, frame.rounded()) for name, (joint, frame) in chosen.frames.items()}
     parts = Parts(
         joints=joints,
         bodies=tuple(bodies),
-        ends=chosen.frames,
-        tip=None if chosen.tip is None else chosen.frames[chosen.tip],
+        ends=ends,
+        tip=None if chosen.tip is None else ends[chosen.tip],
         place="link",
         notes=tuple(notes),
         nodes=_nodes(description, chosen, bodies),
@@ -159,7 +157,14 @@ def _bodies(
             assert link.inertial is not None
             placement = frame @ link.inertial.origin
         bodies.append(
-            PlacedBody(name, joint, placement, masses.bounded_mass, masses.bounded_com, inertia)
+            PlacedBody(
+                name,
+                joint,
+                placement.rounded(),
+                masses.bounded_mass,
+                masses.bounded_com,
+                inertia,
+            )
         )
     return bodies
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from modrobust.geometry import Transform
 from modrobust.urdf_reader import Description, Joint, Link
 from modrobust.urdf_xml import Element, serialise
 
@@ -61,9 +62,10 @@ def _same_link(link: Link, other: Any) -> bool:
 
 def _same_joint(joint: Joint, other: Any) -> bool:
     given = np.asarray(other.axis, dtype=np.float64)
+    axis = joint.axis.rounded()[:3, 2]
     along = joint.type in ("fixed", "floating") or bool(
-        np.allclose(np.cross(joint.axis, given), 0.0, atol=1e-9 * np.linalg.norm(given))
-        and joint.axis @ given > 0.0
+        np.allclose(np.cross(axis, given), 0.0, atol=1e-9 * np.linalg.norm(given))
+        and axis @ given > 0.0
     )
     return (
         (other.type, other.parent, other.child) == (joint.type, joint.parent, joint.child)
@@ -83,5 +85,6 @@ def _same_limit(joint: Joint, other: Any, name: str) -> bool:
     return theirs == (None if ours is None else ours.value)
 
 
-def _same_pose(ours: Any, other: Any) -> bool:
-    return bool(np.allclose(ours, np.eye(4) if other is None else other, atol=_TOLERANCE, rtol=0.0))
+def _same_pose(ours: Transform, other: Any) -> bool:
+    pose = np.eye(4) if other is None else other
+    return bool(np.allclose(ours.rounded(), pose, atol=_TOLERANCE, rtol=0.0))

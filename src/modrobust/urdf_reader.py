@@ -7,16 +7,16 @@ smaller robot and a wrong parent as none; everything here is either right or ref
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import TypeVar
-
-import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.errors import DescriptionError
 from modrobust.formats import ScalarNode, Where
 from modrobust.formats.nodes import shown
+from modrobust.geometry import IDENTITY, Transform, rotation_to
 from modrobust.names import did_you_mean
 from modrobust.urdf_values import (
     MAX_NAME,
@@ -32,7 +32,6 @@ from modrobust.urdf_values import (
 )
 from modrobust.urdf_xml import Element
 
-Array = NDArray[np.float64]
 T = TypeVar("T", "Link", "Joint")
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -51,11 +50,11 @@ _ROBOT = ("link", "joint", "transmission", "material", "gazebo", "sensor", "ros2
 
 @dataclass(frozen=True, eq=False)
 class Inertial:
-    """Mass, centre and tensor as written; `origin` (4, 4) is the inertial frame in the link."""
+    """Mass, centre and tensor as written; `origin` is the inertial frame in the link."""
 
     mass: Number
     xyz: tuple[Number, Number, Number]
-    origin: Array
+    origin: Transform
     turned: bool  # whether rpy is not zero
     tensor: tuple[Number, ...]  # xx, xy, xz, yy, yz, zz
     where: Where
@@ -75,8 +74,8 @@ class Mimic:
     """q = multiplier * q_leader + offset."""
 
     leader: str
-    multiplier: float
-    offset: float
+    multiplier: Fraction
+    offset: Fraction
     where: Where
 
 
@@ -84,16 +83,16 @@ class Mimic:
 class Joint:
     """A joint from the frame of link `parent` to that of `child`.
 
-    origin (4, 4) takes the joint frame to the parent's; axis (3,) is of length 1, in the joint
-    frame. Numbers that are not written are None; `reduction` is a transmission's.
+    `origin` takes the joint frame to the parent's; `axis` turns z to the axis, in the joint frame.
+    Numbers that are not written are None; `reduction` is a transmission's.
     """
 
     name: str
     type: str
     parent: str
     child: str
-    origin: Array
-    axis: Array
+    origin: Transform
+    axis: Transform
     lower: Number | None
     upper: Number | None
     effort: Number | None
@@ -333,24 +332,21 @@ def _end(element: Element, end: str, owner: str, links: dict[str, Link]) -> str:
     return name
 
 
-def _axis(element: Element, owner: str, kind: str, notes: list[str]) -> Array:
+def _axis(element: Element, owner: str, kind: str, notes: list[str]) -> Transform:
     axis = element.one("axis", owner)
     if kind in ("fixed", "floating"):
-        return np.array([0.0, 0.0, 1.0])
+        return IDENTITY
     if axis is not None:
         refuse_slips(axis, owner, (), ("xyz",))
-    values = np.array([number.value for number in three(axis, "xyz", owner, "1 0 0")])
-    largest = float(np.max(np.abs(values)))
-    if largest == 0.0:
+    direction = [number.exact for number in three(axis, "xyz", owner, "1 0 0")]
+    if not any(direction):
         raise (axis or element).where.error(
             f"{owner}, axis", "the axis is 0 0 0; an axis has a direction; write e.g. 0 0 1"
         )
-    scaled = values / largest  # so that the square neither over- nor underflows
-    norm = float(np.sqrt(scaled @ scaled))
-    if abs(norm * largest - 1.0) > 1e-3:
-        notes.append(f"{owner}: axis of length {norm * largest:.6g} taken as a direction")
-    unit: Array = scaled / norm + 0.0
-    return unit
+    length = math.hypot(*map(float, direction))
+    if abs(length - 1.0) > 1e-3:
+        notes.append(f"{owner}: axis of length {length:.6g} taken as a direction")
+    return rotation_to(direction)
 
 
 def _mimic(element: Element, owner: str) -> Mimic | None:
@@ -362,8 +358,8 @@ def _mimic(element: Element, owner: str) -> Mimic | None:
     offset = optional(mimic, "offset", owner)
     return Mimic(
         read_name(mimic, "joint"),
-        1.0 if multiplier is None else multiplier.value,
-        0.0 if offset is None else offset.value,
+        Fraction(1) if multiplier is None else multiplier.exact,
+        Fraction(0) if offset is None else offset.exact,
         mimic.where,
     )
 

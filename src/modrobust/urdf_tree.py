@@ -14,31 +14,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 
-import numpy as np
-from numpy.typing import NDArray
-
-from modrobust.formats import Node, ScalarNode, parse_quantity
-from modrobust.geometry import inverse, rotation_z, translation
+from modrobust.formats import Node, ScalarNode
+from modrobust.formats.quantity import parse_angle, parse_exact
+from modrobust.geometry import IDENTITY, Transform, rotation_z, translation
 from modrobust.names import did_you_mean
 from modrobust.urdf_reader import Description, Joint
-
-Array = NDArray[np.float64]
 
 MOVING = ("revolute", "continuous", "prismatic")
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A joint of the robot: index of its parent (-1 = base), ``before`` and ``after`` (4, 4).
+    """A joint of the robot: index of its parent (-1 = base), ``before`` and ``after``.
 
     follows: index of the joint that leads, multiplier, offset; None for a joint that is free.
     """
 
     joint: Joint
     parent: int
-    before: Array
-    after: Array
+    before: Transform
+    after: Transform
     follows: tuple[int, float, float] | None = None
 
 
@@ -47,32 +44,14 @@ class Selection:
     """The joints, parents first and followers last, and every link's frame in what it moves with.
 
     Args:
-        frames: Link name to index of the joint it moves with (-1 = base) and frame (4, 4).
+        frames: Link name to index of the joint it moves with (-1 = base) and frame.
         tip: The link at the end, None where several branches end.
     """
 
     motions: tuple[Motion, ...]
-    frames: dict[str, tuple[int, Array]]
+    frames: dict[str, tuple[int, Transform]]
     tip: str | None
     notes: tuple[str, ...]
-
-
-def axis_rotation(axis: Array) -> Array:
-    """A rotation (4, 4) that takes z to a unit vector, and z to z as the identity.
-
-    Exact for the six directions of the frame. Source: Duff et al. 2017, "Building an orthonormal
-    basis, revisited", free of cancellation for every direction.
-    """
-    x, y, z = (float(value) for value in axis)
-    sign = -1.0 if z < 0.0 else 1.0
-    a = -1.0 / (sign + z)
-    b = x * y * a
-    turned = np.eye(4)
-    turned[:3, 0] = 1.0 + sign * x * x * a, sign * b, -sign * x
-    turned[:3, 1] = b, sign + y * y * a, -y
-    turned[:3, 2] = x, y, z
-    result: Array = turned + 0.0
-    return result
 
 
 def select(
@@ -139,9 +118,9 @@ def _path(
     return frozenset(links)
 
 
-def _locked(description: Description, lock: Mapping[str, Node]) -> dict[str, float]:
+def _locked(description: Description, lock: Mapping[str, Node]) -> dict[str, Fraction]:
     """Positions of the locked joints, those that mimic a locked one included."""
-    found: dict[str, float] = {}
+    found: dict[str, Fraction] = {}
     for name, node in lock.items():
         field = f"lock.{name}"
         joint = description.joints.get(name)
@@ -158,8 +137,9 @@ def _locked(description: Description, lock: Mapping[str, Node]) -> dict[str, flo
                 f"a {joint.type} joint (line {joint.where.line}); only revolute, continuous and "
                 "prismatic joints can be locked; remove this entry",
             )
-        dimension = "length" if joint.type == "prismatic" else "angle"
-        value = parse_quantity(node, dimension, field=field, bounds=False).nominal
+        prismatic = joint.type == "prismatic"
+        exact = parse_exact(node, "length", field) if prismatic else parse_angle(node, field)
+        value = float(exact)  # as the limits, so that a joint can be locked at one of them
         lo = joint.lower.value if joint.lower else None
         hi = joint.upper.value if joint.upper else None
         outside = (lo is not None and value < lo) or (hi is not None and value > hi)
@@ -169,7 +149,7 @@ def _locked(description: Description, lock: Mapping[str, Node]) -> dict[str, flo
                 f"{value:g} lies outside the joint's limits [{lo or 0.0:g}, {hi or 0.0:g}] "
                 f"(line {joint.where.line}); lock it at a position that it can have",
             )
-        found[name] = value
+        found[name] = exact
     progress = True
     while progress:  # followers of followers
         progress = False
@@ -177,8 +157,8 @@ def _locked(description: Description, lock: Mapping[str, Node]) -> dict[str, flo
             mimic = joint.mimic
             if mimic is None or joint.name in found or joint.type not in MOVING:
                 continue
-            if mimic.multiplier == 0.0 or mimic.leader in found:
-                led = 0.0 if mimic.multiplier == 0.0 else found[mimic.leader]
+            if not mimic.multiplier or mimic.leader in found:
+                led = found[mimic.leader] if mimic.multiplier else 0
                 found[joint.name] = mimic.multiplier * led + mimic.offset
                 progress = True
     return found
@@ -189,15 +169,15 @@ class _Walk:
     """The walk from the base to the ends, depth first, branches in the order of the file."""
 
     description: Description
-    locked: dict[str, float]
+    locked: dict[str, Fraction]
     path: frozenset[str] | None
     last: str | None
     motions: list[Motion] = field(default_factory=list)
-    frames: dict[str, tuple[int, Array]] = field(default_factory=dict)
+    frames: dict[str, tuple[int, Transform]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     def run(self, first: str) -> None:
-        self.frames[first] = (-1, np.eye(4))
+        self.frames[first] = (-1, IDENTITY)
         pending = self._children(first)
         while pending:
             joint = pending.pop()
@@ -212,25 +192,21 @@ class _Walk:
                 self.frames[joint.child] = (index, moved)
             else:
                 self._refuse(joint)
-                turned = axis_rotation(joint.axis)
-                before = frame @ joint.origin @ turned
-                self.motions.append(Motion(joint, index, before, inverse(turned)))
-                self.frames[joint.child] = (len(self.motions) - 1, np.eye(4))
+                before = frame @ joint.origin @ joint.axis
+                self.motions.append(Motion(joint, index, before, joint.axis.inverse()))
+                self.frames[joint.child] = (len(self.motions) - 1, IDENTITY)
             pending += self._children(joint.child)
 
     def _children(self, link: str) -> list[Joint]:
         return self.description.child_joints.get(link, [])[::-1]
 
-    def _frozen(self, joint: Joint) -> Array:
+    def _frozen(self, joint: Joint) -> Transform:
         """The motion of a fixed or locked joint."""
-        value = self.locked.get(joint.name, 0.0)
-        if value == 0.0:
-            return np.eye(4)
-        if joint.type == "prismatic":
-            return translation(value * joint.axis)
-        turned = axis_rotation(joint.axis)
-        result: Array = turned @ rotation_z(value) @ inverse(turned)
-        return result
+        value = self.locked.get(joint.name)
+        if not value:
+            return IDENTITY
+        motion = translation((0, 0, value)) if joint.type == "prismatic" else rotation_z(value)
+        return joint.axis @ motion @ joint.axis.inverse()
 
     def _refuse(self, joint: Joint) -> None:
         """Refuses a joint whose motion the model does not have."""
@@ -262,8 +238,8 @@ class _Walk:
 
 
 def _free_first(
-    description: Description, motions: list[Motion], frames: dict[str, tuple[int, Array]]
-) -> tuple[list[Motion], dict[str, tuple[int, Array]]]:
+    description: Description, motions: list[Motion], frames: dict[str, tuple[int, Transform]]
+) -> tuple[list[Motion], dict[str, tuple[int, Transform]]]:
     """Motions and frames with the free joints first and those that follow others behind them.
 
     Raises:
@@ -293,7 +269,7 @@ def _leader(
     description: Description, joint: Joint, at: Mapping[str, int]
 ) -> tuple[int, float, float]:
     """Index of the free joint at the end of a chain of mimics, multiplier and offset to it."""
-    multiplier, offset, last = 1.0, 0.0, joint
+    multiplier, offset, last = Fraction(1), Fraction(0), joint
     while last.mimic is not None:
         offset += multiplier * last.mimic.offset
         multiplier *= last.mimic.multiplier
@@ -305,17 +281,23 @@ def _leader(
             f'follows joint "{last.name}", which does not move here (fixed, or not chosen); a '
             f"joint follows one that moves; freeze it with --lock {joint.name}=VALUE",
         )
-    return at[last.name], multiplier, offset
+    try:
+        return at[last.name], float(multiplier), float(offset)
+    except OverflowError:
+        assert joint.mimic is not None
+        raise joint.mimic.where.error(
+            f"joint {joint.name}, mimic", "out of range with the joints that it follows; correct it"
+        ) from None
 
 
-def _fold_tip(motions: list[Motion], frames: dict[str, tuple[int, Array]], tip: str) -> None:
+def _fold_tip(motions: list[Motion], frames: dict[str, tuple[int, Transform]], tip: str) -> None:
     """Makes the tip the frame of the last link: its ``after`` then runs to the tip."""
     index, frame = frames[tip]
-    if index < 0 or np.array_equal(frame, np.eye(4)):
+    if index < 0 or frame == IDENTITY:
         return
-    back = inverse(frame)
+    back = frame.inverse()
     motion = motions[index]
     motions[index] = replace(motion, after=motion.after @ frame)
     for name, (owner, placed) in frames.items():
         if owner == index:
-            frames[name] = (index, np.eye(4) if name == tip else back @ placed)
+            frames[name] = (index, IDENTITY if name == tip else back @ placed)

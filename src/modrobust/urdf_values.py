@@ -6,16 +6,14 @@ import difflib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.formats import ScalarNode, Where
 from modrobust.formats.nodes import shown
-from modrobust.geometry import from_xyz_rpy
+from modrobust.geometry import MAX_ANGLE, Transform, from_xyz_rpy
 from modrobust.urdf_xml import Element
-
-Array = NDArray[np.float64]
 
 MAX_NAME = 100
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?")
@@ -27,6 +25,11 @@ class Number:
 
     node: ScalarNode
     value: float
+
+    @property
+    def exact(self) -> Fraction:
+        """The number as written."""
+        return Fraction(self.node.text)
 
 
 def read_name(element: Element, attribute: str = "name") -> str:
@@ -124,10 +127,16 @@ def three(
 
 def read_pose(
     element: Element | None, owner: str
-) -> tuple[tuple[Number, Number, Number], Array, bool]:
-    """The three lengths, the transform and whether it turns."""
+) -> tuple[tuple[Number, Number, Number], Transform, bool]:
+    """The three lengths, the transform as written and whether it turns."""
     if element is not None:
         refuse_slips(element, owner, (), ("xyz", "rpy"))
     xyz, rpy = three(element, "xyz", owner), three(element, "rpy", owner)
-    angles = [number.value for number in rpy]
-    return xyz, from_xyz_rpy([number.value for number in xyz], angles), any(angles)
+    for angle in rpy:
+        if abs(angle.value) > MAX_ANGLE:
+            raise angle.node.where.error(
+                f"{owner}, rpy",
+                f"{angle.value:g} rad; an angle lies within {MAX_ANGLE:g} rad; correct it",
+            )
+    angles = [number.exact for number in rpy]
+    return xyz, from_xyz_rpy([number.exact for number in xyz], angles), any(angles)

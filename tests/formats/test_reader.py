@@ -166,7 +166,7 @@ def test_a_module_in_json_says_what_it_says_in_yaml(tmp_path):
     one, other = load_module("arm.yaml"), load_module("json/arm.json")
     assert one.items[0].rotor_inertia == other.items[0].rotor_inertia
     assert one.items[1].inertia == other.items[1].inertia
-    assert (one.items[1].span == other.items[1].span).all()
+    assert one.items[1].span == other.items[1].span
     assert other.items[1].where.line > 20
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 
 from modrobust.formats.bodies import read_inertia, read_masses
+from modrobust.formats.exact import nearest
 from modrobust.formats.fields import check
 from modrobust.formats.inertia import box_body, box_is_physical
 from modrobust.formats.items import (
@@ -63,9 +65,7 @@ def load_assembly(path: str | Path) -> Assembly:
         file=Path(path),
         modules=_directories(model, directory),
         base=pose_matrix(base.xyz if base else None, base.rpy if base else None, "base"),
-        gravity=(
-            GRAVITY if model.gravity is None else points(model.gravity, "acceleration", "gravity")
-        ),
+        gravity=(GRAVITY if model.gravity is None else _gravity(model.gravity)),
         chain=_chain(model),
         payload=None if model.payload is None else read_payload(model.payload, notes),
         disturbance=_per_joint(model.disturbance, "disturbance", "effort", bounds=True),
@@ -84,6 +84,11 @@ def load_assembly(path: str | Path) -> Assembly:
             name: " ".join(scenario.notes) for name, scenario in scenarios.items() if scenario.notes
         },
     )
+
+
+def _gravity(node: Node) -> tuple[float, float, float]:
+    x, y, z = (nearest(entry) for entry in points(node, "acceleration", "gravity"))
+    return x, y, z
 
 
 def _directories(model: AssemblyModel, directory: Path) -> tuple[Path, ...]:
@@ -143,7 +148,7 @@ def _chain(model: AssemblyModel) -> tuple[NestedItem, ...]:
     return tuple(
         nested_item(entry, f"chain[{index}]")
         if isinstance(entry, NestedModel)
-        else NestedItem(entry, None, 0.0, {}, node.items[index].where)
+        else NestedItem(entry, None, Fraction(0), {}, node.items[index].where)
         for index, entry in enumerate(model.chain)
     )
 

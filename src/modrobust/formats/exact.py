@@ -11,13 +11,9 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-# pi to 100 decimals, truncated, so that it lies below pi and one unit of the last place above it
-# lies above. Source: OEIS A000796.
-_PI_DIGITS = (
-    "3.14159265358979323846264338327950288419716939937510"
-    "58209749445923078164062862089986280348253421170679"
-)
-PI_LO = Fraction(_PI_DIGITS)
+from modrobust.geometry import PI_DIGITS
+
+PI_LO = Fraction(PI_DIGITS)  # truncated, so that it lies below pi
 PI_HI = PI_LO + Fraction(1, 10**100)
 
 

@@ -8,17 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
-
-import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.formats.nodes import Node, Where
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.perjoint import PerJoint
 from modrobust.formats.quantity import Quantity
-
-Array = NDArray[np.float64]
+from modrobust.geometry import Transform
 
 
 @dataclass(frozen=True)
@@ -41,10 +38,10 @@ class JointItem:
 
 @dataclass(frozen=True, eq=False)
 class BodyItem:
-    """A rigid body and the span (4, 4) that it bridges; its frame is the span's start or end."""
+    """A rigid body and the span that it bridges; its frame is the span's start or end."""
 
     name: str
-    span: Array
+    span: Transform
     at_end: bool
     mass: Quantity  # [kg]
     com: tuple[Quantity, Quantity, Quantity]  # [m], body axes
@@ -54,10 +51,10 @@ class BodyItem:
 
 @dataclass(frozen=True, eq=False)
 class FrameItem:
-    """A span (4, 4) without mass."""
+    """A span without mass."""
 
     name: str
-    span: Array
+    span: Transform
     where: Where
 
 
@@ -67,7 +64,7 @@ class NestedItem:
 
     module: str
     as_name: str | None
-    mount: float  # [rad]
+    mount: Fraction  # [rad]
     overrides: Mapping[str, Node]
     where: Where
 
@@ -167,7 +164,7 @@ class Assembly:
     name: str
     file: Path
     modules: tuple[Path, ...]  # directories to search first
-    base: Array  # (4, 4), world to base frame
+    base: Transform  # world to base frame
     gravity: tuple[float, float, float]  # [m/s^2], world axes
     chain: tuple[NestedItem, ...]
     payload: Payload | None

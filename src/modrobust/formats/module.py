@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 from pathlib import Path
 
 from modrobust.formats.bodies import read_inertia, read_masses
@@ -28,7 +29,7 @@ from modrobust.formats.models import (
 from modrobust.formats.naming import instance_names_of
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, shown
 from modrobust.formats.overrides import overridden
-from modrobust.formats.quantity import parse_point
+from modrobust.formats.quantity import parse_angle, parse_point
 from modrobust.formats.reader import read_description
 from modrobust.formats.span import span_matrix
 from modrobust.formats.tolerance import Tolerances
@@ -202,7 +203,7 @@ def nested_item(entry: NestedModel, field: str) -> NestedItem:
     return NestedItem(
         module=entry.module,
         as_name=entry.as_,
-        mount=0.0 if entry.mount is None else parse_point(entry.mount, "angle", f"{field}.mount"),
+        mount=Fraction(0) if entry.mount is None else parse_angle(entry.mount, f"{field}.mount"),
         overrides=dict(entry.set or {}),
         where=entry.where,
     )

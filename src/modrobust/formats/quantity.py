@@ -17,6 +17,7 @@ from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, 
 from modrobust.formats.number import NumberError, parse_number
 from modrobust.formats.structure import unknown_key
 from modrobust.formats.units import DIMENSIONS, Dimension
+from modrobust.geometry import MAX_ANGLE
 
 _PLUS_MINUS = re.compile(r"±|\+/-|\+-")
 _BOUND_KEYS = ("nominal", "lo", "hi")
@@ -144,8 +145,30 @@ def parse_quantity(
 
 def parse_point(node: Node, dimensions: str | tuple[str, ...], field: str) -> float:
     """The number without bounds that a node says, in SI units: its nearest double."""
+    return nearest(parse_exact(node, dimensions, field))
+
+
+def parse_exact(node: Node, dimensions: str | tuple[str, ...], field: str) -> Fraction:
+    """The number without bounds that a node says, in SI units, to 10^-99 where pi is in it."""
     names = (dimensions,) if isinstance(dimensions, str) else dimensions
-    return parse_written(node, names, field, bounds=False).quantity().nominal
+    written = parse_written(node, names, field, bounds=False)
+    value = written.nominal.middle
+    written.double(value, nearest)  # refuses what is beyond the doubles
+    return value
+
+
+def parse_angle(node: Node, field: str) -> Fraction:
+    """The angle [rad] of a constant transform, as `parse_exact`.
+
+    Raises:
+        DescriptionError: No angle, or beyond what `geometry.cos_sin` takes.
+    """
+    value = parse_exact(node, "angle", field)
+    if abs(value) > MAX_ANGLE:
+        raise node.where.error(
+            field, f"{float(value):g} rad; an angle lies within {MAX_ANGLE:g} rad; correct it"
+        )
+    return value
 
 
 def parse_written(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from fractions import Fraction
 
 from modrobust.formats.models import DhModel, Giusti2015Model, SpanModel
 from modrobust.formats.nodes import ListNode, Node, kind_of
-from modrobust.formats.quantity import parse_point
+from modrobust.formats.quantity import parse_angle, parse_exact
 from modrobust.geometry import (
+    IDENTITY,
+    Transform,
     dh_modified,
     dh_standard,
     from_xyz_rpy,
@@ -16,17 +17,15 @@ from modrobust.geometry import (
     giusti2015_iit,
 )
 
-Array = NDArray[np.float64]
 
-
-def span_matrix(span: SpanModel | None, field: str) -> Array:
-    """The transform (4, 4) from the start to the end of a span; identity for none.
+def span_matrix(span: SpanModel | None, field: str) -> Transform:
+    """The transform from the start to the end of a span, as written; identity for none.
 
     Raises:
         DescriptionError: Two ways of writing a span in one, or a number that is not one.
     """
     if span is None:
-        return np.eye(4)
+        return IDENTITY
     pose = span.xyz is not None or span.rpy is not None
     ways = [
         name
@@ -50,28 +49,30 @@ def span_matrix(span: SpanModel | None, field: str) -> Array:
     return pose_matrix(span.xyz, span.rpy, field)
 
 
-def pose_matrix(xyz: Node | None, rpy: Node | None, field: str) -> Array:
+def pose_matrix(xyz: Node | None, rpy: Node | None, field: str) -> Transform:
     """Translation xyz, then Rz(yaw) Ry(pitch) Rx(roll); zeros where not given."""
     return from_xyz_rpy(
-        points(xyz, "length", f"{field}.xyz") if xyz is not None else (0.0, 0.0, 0.0),
-        points(rpy, "angle", f"{field}.rpy") if rpy is not None else (0.0, 0.0, 0.0),
+        (0, 0, 0) if xyz is None else points(xyz, "length", f"{field}.xyz"),
+        (0, 0, 0) if rpy is None else points(rpy, "angle", f"{field}.rpy"),
     )
 
 
-def points(node: Node, dimension: str, field: str) -> tuple[float, float, float]:
-    """Three numbers without bounds, in SI units."""
+def points(node: Node, dimension: str, field: str) -> tuple[Fraction, Fraction, Fraction]:
+    """Three numbers without bounds, in SI units, exact."""
     if not isinstance(node, ListNode) or len(node.items) != 3:
         found = f"a list of {len(node.items)}" if isinstance(node, ListNode) else kind_of(node)
         raise node.where.error(field, f"{found}; a vector is a list of three; write [x, y, z]")
-    x, y, z = (parse_point(item, dimension, f"{field}[{i}]") for i, item in enumerate(node.items))
+    x, y, z = (_number(item, dimension, f"{field}[{i}]") for i, item in enumerate(node.items))
     return x, y, z
 
 
-def _number(node: Node | None, dimension: str, field: str) -> float:
-    return 0.0 if node is None else parse_point(node, dimension, field)
+def _number(node: Node | None, dimension: str, field: str) -> Fraction:
+    if node is None:
+        return Fraction(0)
+    return parse_angle(node, field) if dimension == "angle" else parse_exact(node, dimension, field)
 
 
-def _dh(row: DhModel, field: str) -> Array:
+def _dh(row: DhModel, field: str) -> Transform:
     make = dh_standard if row.convention == "standard" else dh_modified
     return make(
         a=_number(row.a, "length", f"{field}.a"),
@@ -81,7 +82,7 @@ def _dh(row: DhModel, field: str) -> Array:
     )
 
 
-def _giusti(row: Giusti2015Model, field: str) -> Array:
+def _giusti(row: Giusti2015Model, field: str) -> Transform:
     make = giusti2015 if row.convention == "giusti" else giusti2015_iit
     return make(
         p=_number(row.p, "length", f"{field}.p"),
