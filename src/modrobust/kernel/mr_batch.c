@@ -17,14 +17,14 @@
 #define mr_lead_box MR_BATCH_NAME(lead_box)
 #define mr_joint_geometry MR_BATCH_NAME(joint_geometry)
 #define mr_forward_recursion MR_BATCH_NAME(forward_recursion)
-#define mr_body_motions MR_BATCH_NAME(body_motions)
+#define mr_all_sines MR_BATCH_NAME(all_sines)
+#define mr_body_pass MR_BATCH_NAME(body_pass)
+#define mr_backward_recursion MR_BATCH_NAME(backward_recursion)
+#define mr_size_of_motion MR_BATCH_NAME(size_of_motion)
+#define mr_rounding_slack MR_BATCH_NAME(rounding_slack)
 #define mr_newton_euler MR_BATCH_NAME(newton_euler)
-#define mr_motion_sizes MR_BATCH_NAME(motion_sizes)
-#define mr_nominal_slack MR_BATCH_NAME(nominal_slack)
-#define mr_hull_slack MR_BATCH_NAME(hull_slack)
 #define mr_ianea MR_BATCH_NAME(ianea)
 #define mr_hull_deviation MR_BATCH_NAME(hull_deviation)
-#define mr_smooth_sign MR_BATCH_NAME(smooth_sign)
 #define mr_add_drives MR_BATCH_NAME(add_drives)
 #define mr_add_drives_box MR_BATCH_NAME(add_drives_box)
 #define mr_add_drives_deviation MR_BATCH_NAME(add_drives_deviation)
@@ -43,11 +43,11 @@
 
 #define COUNT(type) (sizeof(type) / sizeof(mr_lane))
 
-/* Memory in registers of doubles, cut as mr_workspace_view does, plus four for the states. */
+/* Memory in registers of doubles, cut as mr_workspace_view does, and four arrays for the states. */
 static size_t registers(const mr_model *model) {
-    const size_t j = (size_t)model->j, b = (size_t)model->b;
-    return j * (COUNT(mr_link) + COUNT(mr_wrench_box) + COUNT(mr_size) + COUNT(mr_pose)) +
-           b * COUNT(mr_motion) + (9 + 4 + 4 + 4) * mr_padded(model);
+    return (size_t)model->j * (COUNT(mr_link) + COUNT(mr_wrench_box) + COUNT(mr_pose)) +
+           mr_joint_stride(model) * (MR_MOTION + 9 + 2 + 4 + 4 + 4) +
+           mr_body_stride(model) * MR_BODY;
 }
 
 size_t MR_JOIN(mr_batch_workspace_size, MR_BATCH_SUFFIX)(const mr_model *model) {
@@ -61,23 +61,25 @@ static mr_lane *cut(mr_lane **memory, size_t count) {
 }
 
 static mr_workspace view_of(const mr_model *model, double *workspace, mr_lane *given[4]) {
-    const size_t j = (size_t)model->j, padded = mr_padded(model);
+    const size_t j = (size_t)model->j, joints = mr_joint_stride(model);
     const uintptr_t start = (uintptr_t)workspace, past = start % sizeof(mr_lane);
     mr_lane *memory = (mr_lane *)(start + (past ? sizeof(mr_lane) - past : 0));
     mr_workspace ws;
     ws.links = (mr_link *)cut(&memory, j * COUNT(mr_link));
-    ws.motions = (mr_motion *)cut(&memory, (size_t)model->b * COUNT(mr_motion));
     ws.wrench.box = (mr_wrench_box *)cut(&memory, j * COUNT(mr_wrench_box));
-    ws.sizes = (mr_size *)cut(&memory, j * COUNT(mr_size));
     ws.poses = (mr_pose *)cut(&memory, j * COUNT(mr_pose));
-    ws.axes = cut(&memory, 9 * padded);
-    ws.lo = cut(&memory, padded);
-    ws.hi = cut(&memory, padded);
-    ws.mid = cut(&memory, padded);
-    ws.slack = cut(&memory, padded);
+    ws.motion = cut(&memory, joints * MR_MOTION);
+    ws.bodies = cut(&memory, mr_body_stride(model) * MR_BODY);
+    ws.axes = cut(&memory, joints * 9);
+    ws.sines = cut(&memory, joints * 2);
+    ws.point = NULL;
+    ws.lo = cut(&memory, joints);
+    ws.hi = cut(&memory, joints);
+    ws.mid = cut(&memory, joints);
+    ws.slack = cut(&memory, joints);
     ws.dq_a = ws.ddq_a = NULL;
-    for (int v = 0; v < 4; ++v) ws.full[v] = cut(&memory, padded);
-    for (int v = 0; v < 4; ++v) given[v] = cut(&memory, padded);
+    for (int v = 0; v < 4; ++v) ws.full[v] = cut(&memory, joints);
+    for (int v = 0; v < 4; ++v) given[v] = cut(&memory, joints);
     return ws;
 }
 

@@ -3,30 +3,37 @@
 
 #define DOUBLES(type) (sizeof(type) / sizeof(double))
 
+enum { ARRAYS = 10 };
+
 size_t mr_workspace_size(const mr_model *model) {
-    const size_t j = (size_t)model->j, b = (size_t)model->b, padded = mr_padded(model);
-    return j * (DOUBLES(mr_link) + DOUBLES(mr_wrench_box) + DOUBLES(mr_size) + DOUBLES(mr_pose)) +
-           b * DOUBLES(mr_motion) + 19 * padded;
+    const size_t j = (size_t)model->j, joints = mr_joint_stride(model);
+    const size_t bodies = mr_body_stride(model);
+    return j * (DOUBLES(mr_link) + DOUBLES(mr_wrench_box) + DOUBLES(mr_pose)) +
+           joints * (MR_MOTION + 9 + 2 + ARRAYS) + bodies * (MR_BODY + MR_POINT);
+}
+
+static double *cut(double **memory, size_t count) {
+    double *part = *memory;
+    *memory += count;
+    return part;
 }
 
 mr_workspace mr_workspace_view(const mr_model *model, double *memory) {
-    const size_t j = (size_t)model->j, b = (size_t)model->b, padded = mr_padded(model);
+    const size_t j = (size_t)model->j, joints = mr_joint_stride(model);
+    const size_t bodies = mr_body_stride(model);
     mr_workspace view;
-    view.links = (mr_link *)memory;
-    memory += j * DOUBLES(mr_link);
-    view.motions = (mr_motion *)memory;
-    memory += b * DOUBLES(mr_motion);
-    view.wrench.box = (mr_wrench_box *)memory;
-    memory += j * DOUBLES(mr_wrench_box);
-    view.sizes = (mr_size *)memory;
-    memory += j * DOUBLES(mr_size);
-    view.poses = (mr_pose *)memory;
-    memory += j * DOUBLES(mr_pose);
-    view.axes = memory;
-    memory += 9 * padded;
-    double **arrays[10] = {&view.lo,    &view.hi,      &view.mid,     &view.slack,   &view.dq_a,
-                           &view.ddq_a, &view.full[0], &view.full[1], &view.full[2], &view.full[3]};
-    for (size_t k = 0; k < 10; ++k) *arrays[k] = memory + k * padded;
+    view.links = (mr_link *)cut(&memory, j * DOUBLES(mr_link));
+    view.wrench.box = (mr_wrench_box *)cut(&memory, j * DOUBLES(mr_wrench_box));
+    view.poses = (mr_pose *)cut(&memory, j * DOUBLES(mr_pose));
+    view.motion = cut(&memory, joints * MR_MOTION);
+    view.bodies = cut(&memory, bodies * MR_BODY);
+    view.axes = cut(&memory, joints * 9);
+    view.sines = cut(&memory, joints * 2);
+    view.point = cut(&memory, bodies * MR_POINT);
+    double **arrays[ARRAYS] = {&view.lo,      &view.hi,      &view.mid,     &view.slack,
+                               &view.dq_a,    &view.ddq_a,   &view.full[0], &view.full[1],
+                               &view.full[2], &view.full[3]};
+    for (int k = 0; k < ARRAYS; ++k) *arrays[k] = cut(&memory, joints);
     return view;
 }
 
@@ -59,6 +66,16 @@ int32_t mr_do_find_uncertain(int32_t b, const mr_parameters *lower, const mr_par
     return count;
 }
 
+/* Registers read the padding too: it holds zeros, so that nothing there is slow. */
+static void clear_padding(const mr_model *model, const mr_workspace *ws) {
+    const size_t stride = mr_joint_stride(model), j = (size_t)model->j;
+    for (size_t i = j; i < stride; ++i) ws->full[0][i] = 0.0;
+    for (size_t k = 0; k < MR_MOTION; ++k)
+        for (size_t i = j; i < stride; ++i) ws->motion[k * stride + i] = 0.0;
+    for (size_t k = 0; k < 9; ++k)
+        for (size_t i = j; i < stride; ++i) ws->axes[k * stride + i] = 0.0;
+}
+
 mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const double *q,
                         const double *dq, const double *dq_a, const double *ddq_a,
                         mr_state *state) {
@@ -67,14 +84,14 @@ mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const dou
     for (int v = 0; v < 4; ++v)
         if (!mr_all_finite(n, given[v])) return MR_NOT_FINITE;
     *state = (mr_state){q, dq, dq_a, ddq_a};
-    if (j > n) {
-        mr_follow(model, state, ws->full);
+    mr_follow(model, state, ws->full);
+    if (j > n)
         for (int v = 0; v < 4; ++v)
             if (!mr_all_finite(j, ws->full[v])) return MR_NOT_FINITE;
-    }
     for (int32_t i = 0; i < j; ++i)
         if (model->joint_type[i] == MR_REVOLUTE && fabs(state->q[i]) > MR_ANGLE_MAX)
             return MR_ANGLE_RANGE;
+    clear_padding(model, ws);
     return MR_OK;
 }
 
@@ -84,27 +101,49 @@ static mr_status copy_finite(int32_t n, const double *from, double *to) {
     return MR_OK;
 }
 
-/* error may be NULL */
 mr_status mr_do_inverse_dynamics(const mr_model *model, const mr_parameters *parameters,
                                  const double *q, const double *dq, const double *dq_a,
-                                 const double *ddq_a, int drives, double *workspace, double *tau,
-                                 double *error) {
+                                 const double *ddq_a, int drives, double *workspace, double *tau) {
     mr_workspace ws = mr_workspace_view(model, workspace);
     mr_state state;
     const mr_status status = mr_full_state(model, &ws, q, dq, dq_a, ddq_a, &state);
     if (status) return status;
-    mr_forward_recursion(model, &state, ws.links);
-    mr_body_motions(model, ws.links, ws.motions);
-    mr_newton_euler(model, parameters, ws.links, ws.motions, ws.wrench.real, ws.mid);
+    mr_point_of(model, parameters, ws.point);
+    mr_newton_euler(model, ws.point, &state, &ws, ws.mid);
     if (drives) mr_add_drives(model, parameters, state.dq, state.ddq_a, ws.mid);
     mr_lead(model, ws.mid);
-    if (error) {
-        const double followed = mr_motion_sizes(model, &state, ws.sizes);
-        mr_nominal_slack(model, parameters, &state, followed, drives, ws.sizes, ws.slack);
-        if (!mr_all_finite(model->n, ws.mid)) return MR_NOT_FINITE;
-        if (copy_finite(model->n, ws.slack, error)) return MR_NOT_FINITE;
-    }
     return copy_finite(model->n, ws.mid, tau);
+}
+
+mr_status mr_torque_with_error(const mr_model *model, const mr_parameters *parameters,
+                               const mr_slack_constants *constants, const double *q,
+                               const double *dq, const double *dq_a, const double *ddq_a,
+                               int drives, double *workspace, double *tau, double *error) {
+    mr_workspace ws = mr_workspace_view(model, workspace);
+    mr_state state;
+    const mr_status status = mr_full_state(model, &ws, q, dq, dq_a, ddq_a, &state);
+    if (status) return status;
+    mr_point_of(model, parameters, ws.point);
+    mr_newton_euler(model, ws.point, &state, &ws, ws.mid);
+    if (drives) mr_add_drives(model, parameters, state.dq, state.ddq_a, ws.mid);
+    mr_lead(model, ws.mid);
+    const mr_motion_size size = mr_size_of_motion(model, &state);
+    mr_rounding_slack(model, constants, 0.0, drives ? parameters : NULL, &state, &size, ws.slack);
+    if (!mr_all_finite(model->n, ws.mid)) return MR_NOT_FINITE;
+    if (copy_finite(model->n, ws.slack, error)) return MR_NOT_FINITE;
+    return copy_finite(model->n, ws.mid, tau);
+}
+
+mr_status mr_do_inverse_dynamics_rounding(const mr_model *model, const mr_parameters *parameters,
+                                          const double *q, const double *dq, const double *dq_a,
+                                          const double *ddq_a, int drives, double *workspace,
+                                          double *tau, double *error) {
+    /* 12 doubles a joint: the torque needs no poses */
+    double *work = (double *)mr_workspace_view(model, workspace).poses;
+    mr_slack_constants *constants = (mr_slack_constants *)work;
+    mr_point_slack(model, parameters, work + model->j * DOUBLES(mr_slack_constants), constants);
+    return mr_torque_with_error(model, parameters, constants, q, dq, dq_a, ddq_a, drives,
+                                workspace, tau, error);
 }
 
 mr_status mr_do_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *bounds,
@@ -155,7 +194,8 @@ mr_status mr_do_bounds_slack(const mr_model *model, const mr_bounds *bounds, con
     mr_state state;
     const mr_status status = mr_full_state(model, &ws, q, dq, dq_a, ddq_a, &state);
     if (status) return status;
-    mr_hull_slack(model, bounds, &state, mr_motion_sizes(model, &state, ws.sizes), drives,
-                  ws.sizes, ws.slack);
+    const mr_motion_size size = mr_size_of_motion(model, &state);
+    mr_rounding_slack(model, mr_hull_slack_constants(model, bounds), bounds->prepared[0],
+                      drives ? &bounds->upper : NULL, &state, &size, ws.slack);
     return copy_finite(model->n, ws.slack, slack);
 }

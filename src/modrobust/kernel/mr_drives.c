@@ -1,14 +1,14 @@
 /* Friction and reflected rotor inertia: (20) and (21). */
 #include "mr_internal.h"
 
-MR_REAL mr_smooth_sign(MR_REAL dq, double coulomb_speed) {
+static MR_REAL smooth_sign(MR_REAL dq, double coulomb_speed) {
     const MR_REAL speed = MR_ABS(dq), zero = MR_SPLAT(0.0);
     const MR_REAL limit = MR_SPLAT(coulomb_speed);
     const MR_MASK fast = speed > limit;
     /* the ratio is at most 1, so that its square does not overflow */
     const MR_REAL large = MR_SELECT(fast, speed, limit), small = MR_SELECT(fast, limit, speed);
     const MR_REAL ratio = small / large;
-    const MR_REAL root = mr_sqrt(1.0 + ratio * ratio);
+    const MR_REAL root = MR_SQRT(1.0 + ratio * ratio);
     const MR_REAL size = MR_SELECT(fast, 1.0 / root, ratio / root);
     return MR_SELECT(speed == 0.0, zero, MR_COPYSIGN(size, dq));
 }
@@ -17,12 +17,21 @@ static double reflected(const mr_model *model, int32_t i) {
     return model->gear_ratio[i] * model->gear_ratio[i];
 }
 
+/* A drive that is all zero costs nothing; in most arms without figures they all are. */
+static int has_drive(const mr_parameters *upper, int32_t i) {
+    return upper->viscous[i] != 0.0 || upper->coulomb[i] != 0.0 || upper->rotor_inertia[i] != 0.0;
+}
+
 void mr_add_drives(const mr_model *model, const mr_parameters *parameters, const MR_REAL *dq,
                    const MR_REAL *ddq_a, MR_REAL *tau) {
-    for (int32_t i = 0; i < model->j; ++i)
-        tau[i] += parameters->viscous[i] * dq[i] +
-                  parameters->coulomb[i] * mr_smooth_sign(dq[i], model->coulomb_speed[i]) +
-                  reflected(model, i) * parameters->rotor_inertia[i] * ddq_a[i];
+    for (int32_t i = 0; i < model->j; ++i) {
+        if (!has_drive(parameters, i)) continue;
+        MR_REAL drive = parameters->viscous[i] * dq[i] +
+                        reflected(model, i) * parameters->rotor_inertia[i] * ddq_a[i];
+        if (parameters->coulomb[i] != 0.0)
+            drive += parameters->coulomb[i] * smooth_sign(dq[i], model->coulomb_speed[i]);
+        tau[i] += drive;
+    }
 }
 
 /* Hull of the smooth and the true sign of dq: what Coulomb friction may be, (20). The smooth one
@@ -30,7 +39,7 @@ void mr_add_drives(const mr_model *model, const mr_parameters *parameters, const
 static mr_interval sign_box(MR_REAL dq, double coulomb_speed) {
     const MR_REAL speed = MR_ABS(dq), one = MR_SPLAT(1.0);
     const MR_MASK free = (speed <= coulomb_speed) | (speed == 0.0);
-    const MR_REAL least = MR_ABS(mr_smooth_sign(dq, coulomb_speed)) * (1.0 - 0x1p-50);
+    const MR_REAL least = MR_ABS(smooth_sign(dq, coulomb_speed)) * (1.0 - 0x1p-50);
     return (mr_interval){MR_SELECT(free, -one, MR_SELECT(dq > 0.0, least, -one)),
                          MR_SELECT(free, one, MR_SELECT(dq > 0.0, one, -least))};
 }
@@ -53,7 +62,7 @@ static mr_interval drive_box(const mr_model *model, const mr_bounds *bounds,
         const mr_interval coulomb = {MR_SPLAT(l->coulomb[i]), MR_SPLAT(h->coulomb[i])};
         sum = mr_i_add(sum, mr_i_mul(coulomb, sign_box(dq, speed)));
         if (c) {
-            const MR_REAL nominal = c->coulomb[i] * mr_smooth_sign(dq, speed);
+            const MR_REAL nominal = c->coulomb[i] * smooth_sign(dq, speed);
             sum = mr_i_sub(sum, (mr_interval){nominal, nominal});
         }
     }
@@ -63,6 +72,7 @@ static mr_interval drive_box(const mr_model *model, const mr_bounds *bounds,
 void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const MR_REAL *dq,
                        const MR_REAL *ddq_a, MR_REAL *lo, MR_REAL *hi) {
     for (int32_t i = 0; i < model->j; ++i) {
+        if (!has_drive(&bounds->upper, i)) continue;
         const mr_interval drive = drive_box(model, bounds, NULL, i, dq[i], ddq_a[i]);
         const mr_interval sum = mr_i_add((mr_interval){lo[i], hi[i]}, drive);
         lo[i] = sum.lo;
@@ -73,6 +83,7 @@ void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const MR_
 void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds, const MR_REAL *dq,
                              const MR_REAL *ddq_a, MR_REAL *lo, MR_REAL *hi) {
     for (int32_t i = 0; i < model->j; ++i) {
+        if (!has_drive(&bounds->upper, i)) continue;
         const mr_interval drive =
             drive_box(model, bounds, &bounds->nominal, i, dq[i], ddq_a[i]);
         lo[i] += drive.lo;

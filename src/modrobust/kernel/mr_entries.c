@@ -32,15 +32,15 @@ mr_status mr_inverse_dynamics(const mr_model *model, const mr_parameters *parame
                               const double *q, const double *dq, const double *dq_a,
                               const double *ddq_a, int drives, double *workspace, double *tau) {
     IN_OUR_ENVIRONMENT(mr_do_inverse_dynamics(model, parameters, q, dq, dq_a, ddq_a, drives,
-                                              workspace, tau, NULL));
+                                              workspace, tau));
 }
 
 mr_status mr_inverse_dynamics_rounding(const mr_model *model, const mr_parameters *parameters,
                                        const double *q, const double *dq, const double *dq_a,
                                        const double *ddq_a, int drives, double *workspace,
                                        double *tau, double *error) {
-    IN_OUR_ENVIRONMENT(mr_do_inverse_dynamics(model, parameters, q, dq, dq_a, ddq_a, drives,
-                                              workspace, tau, error));
+    IN_OUR_ENVIRONMENT(mr_do_inverse_dynamics_rounding(model, parameters, q, dq, dq_a, ddq_a,
+                                                       drives, workspace, tau, error));
 }
 
 mr_status mr_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *bounds,
@@ -104,6 +104,6 @@ mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const 
 
 void mr_sincos(double x, double *sine, double *cosine) {
     const mr_environment caller = mr_enter();
-    mr_sine_cosine(x, sine, cosine);
+    mr_do_sincos(x, sine, cosine);
     mr_leave(caller);
 }

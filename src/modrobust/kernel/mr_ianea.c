@@ -25,89 +25,88 @@ static void add_moment(MR_REAL l0, MR_REAL l1, MR_REAL l2, MR_REAL error,
     mr_i_accumulate(part, moment);
 }
 
-static void add_body_box(const mr_model *model, const mr_bounds *bounds, const mr_motion *m,
-                     const mr_size *size, MR_REAL motion_error, int32_t b,
-                     mr_wrench_box *link) {
+static void add_body_box(const mr_model *model, const mr_bounds *bounds,
+                         const mr_motion_size *size, MR_REAL motion_error, int32_t b,
+                         const MR_REAL *bodies, mr_wrench_box *link) {
     const mr_parameters *lower = &bounds->lower, *upper = &bounds->upper;
     const mr_transform *T = &model->placement[b];
-    const mr_body_constants *constants = &mr_of_bodies(model)[b];
-    const mr_body_norms *largest = &mr_largest_norms(model, bounds)[b];
+    const mr_body_sizes *own = &mr_sizes_of_bodies(model, bounds)[b];
     mr_interval c[3], I[6], F[3], N[3], part[3], turned[3];
+    MR_REAL m[MR_MOTION];
+    const MR_REAL *w = m + MR_W, *wa = m + MR_WA, *dw = m + MR_DW, *a = m + MR_A;
+    for (size_t k = 0; k < MR_MOTION; ++k) m[k] = bodies[k * mr_body_stride(model) + (size_t)b];
     for (int k = 0; k < 3; ++k) /* 5 */
         c[k] = (mr_interval){MR_SPLAT(lower->com[3 * b + k]), MR_SPLAT(upper->com[3 * b + k])};
     for (int k = 0; k < 6; ++k)
         I[k] = (mr_interval){MR_SPLAT(lower->inertia[6 * b + k]),
                              MR_SPLAT(upper->inertia[6 * b + k])};
 
-    for (int k = 0; k < 3; ++k) F[k] = (mr_interval){m->a[k], m->a[k]}; /* 23 */
-    mr_i_cross_real(m->dw[0], m->dw[1], m->dw[2], c, part);
+    for (int k = 0; k < 3; ++k) F[k] = (mr_interval){a[k], a[k]}; /* 23 */
+    mr_i_cross_real(dw[0], dw[1], dw[2], c, part);
     mr_i_accumulate(part, F);
-    mr_i_cross_real(m->wa[0], m->wa[1], m->wa[2], c, part);
-    mr_i_cross_real(m->w[0], m->w[1], m->w[2], part, turned);
+    mr_i_cross_real(wa[0], wa[1], wa[2], c, part);
+    mr_i_cross_real(w[0], w[1], w[2], part, turned);
     mr_i_accumulate(turned, F);
-    widen(motion_error * (size->a + size->K * (constants->lever_norm + largest->com)), F);
+    widen(motion_error * (size->a + size->k * (own->reach + size->out)), F);
     const mr_interval mass = {MR_SPLAT(lower->mass[b]), MR_SPLAT(upper->mass[b])};
     for (int k = 0; k < 3; ++k) F[k] = mr_i_mul(mass, F[k]); /* 27 */
 
     mr_i_cross(c, F, N);                                     /* 29 */
     const mr_interval rows[9] = {I[0], I[1], I[2], I[1], I[3], I[4], I[2], I[4], I[5]};
     for (int k = 0; k < 3; ++k)
-        N[k] = mr_i_add(N[k], mr_i_dot(m->dw[0], m->dw[1], m->dw[2], rows + 3 * k)); /* 30 */
-    for (int k = 0; k < 3; ++k) part[k] = mr_i_dot(m->w[0], m->w[1], m->w[2], rows + 3 * k);
-    mr_i_cross_real(m->wa[0], m->wa[1], m->wa[2], part, turned);
+        N[k] = mr_i_add(N[k], mr_i_dot(dw[0], dw[1], dw[2], rows + 3 * k)); /* 30 */
+    for (int k = 0; k < 3; ++k) part[k] = mr_i_dot(w[0], w[1], w[2], rows + 3 * k);
+    mr_i_cross_real(wa[0], wa[1], wa[2], part, turned);
     mr_i_accumulate(turned, N);
-    widen(motion_error * size->K * largest->inertia, N);
+    widen(motion_error * size->k * own->inertia, N);
 
-    if (constants->placement == MR_IDENTITY) {
-        mr_i_accumulate(F, link->f);
-        mr_i_accumulate(N, link->n);
-        return;
-    }
-    if (constants->placement == MR_GENERAL) {
+    if (mr_of_model(model)->placements != MR_IDENTITY) {
         MR_REAL R[9];
         for (int k = 0; k < 9; ++k) R[k] = MR_SPLAT(T->R[k]);
         rotate_box(R, MR_SPLAT(MR_CONSTANT_ROTATION * MR_U), F, turned);
         rotate_box(R, MR_SPLAT(MR_CONSTANT_ROTATION * MR_U), N, part);
         for (int k = 0; k < 3; ++k) F[k] = turned[k], N[k] = part[k];
+        const double length = fabs(T->p[0]) + fabs(T->p[1]) + fabs(T->p[2]);
+        add_moment(MR_SPLAT(T->p[0]), MR_SPLAT(T->p[1]), MR_SPLAT(T->p[2]),
+                   MR_SPLAT(MR_CONSTANT_LEVER * MR_U * length), F, N);
     }
-    add_moment(MR_SPLAT(T->p[0]), MR_SPLAT(T->p[1]), MR_SPLAT(T->p[2]),
-               MR_SPLAT(MR_CONSTANT_LEVER * MR_U * constants->lever_norm), F, N);
     mr_i_accumulate(F, link->f);
     mr_i_accumulate(N, link->n);
 }
 
-void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_link *links,
-              const mr_motion *motions, const mr_size *sizes, MR_REAL followed,
-              mr_wrench_box *wrenches, MR_REAL *tau_lo, MR_REAL *tau_hi) {
+void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_size *size,
+              const mr_workspace *ws) {
     const double motion_rate = MR_MOTION_JOINT * mr_of_model(model)->depth + MR_MOTION_ONCE;
-    const MR_REAL motion_error = MR_U * (motion_rate + 2.0 * followed);
+    const MR_REAL motion_error = MR_U * (motion_rate + 2.0 * size->followed);
+    const MR_REAL turn_error = MR_U * (MR_ROTATION + size->followed);
     const mr_interval zero = {MR_SPLAT(0.0), MR_SPLAT(0.0)};
+    mr_wrench_box *wrenches = ws->wrench.box;
     for (int32_t i = 0; i < model->j; ++i) /* 25 */
         for (int k = 0; k < 3; ++k) wrenches[i].f[k] = wrenches[i].n[k] = zero;
-    for (int32_t b = 0; b < model->b; ++b) {
-        const int32_t i = model->body_joint[b];
-        if (i < 0) continue;
-        add_body_box(model, bounds, &motions[b], &sizes[i], motion_error, b, &wrenches[i]);
-    }
+    for (int32_t b = 0; b < model->b; ++b)
+        if (model->body_joint[b] >= 0)
+            add_body_box(model, bounds, size, motion_error, b, ws->bodies,
+                         &wrenches[model->body_joint[b]]);
 
     for (int32_t i = model->j - 1; i >= 0; --i) { /* 26 */
-        const mr_link *link = &links[i];
+        const mr_link *link = &ws->links[i];
         const double *z = model->after[i].R + 6, *lever = model->before[i].p;
         const mr_joint_constants *constants = &mr_of_joints(model)[i];
         const MR_REAL z_error = MR_SPLAT(MR_CONSTANT_AXIS * MR_U);
         mr_wrench_box *own = &wrenches[i];
         mr_interval f[3], n[3];
-        add_moment(link->p[0], link->p[1], link->p[2], MR_LEVER * MR_U * sizes[i].p, own->f,
+        MR_REAL length = MR_SPLAT(constants->lever_norm);
+        if (model->joint_type[i] != MR_REVOLUTE) length += size->out;
+        add_moment(link->p[0], link->p[1], link->p[2], MR_LEVER * MR_U * length, own->f,
                    own->n); /* 30 */
         const mr_interval *along = model->joint_type[i] == MR_REVOLUTE ? own->n : own->f;
         const mr_interval u = mr_i_widen(
             mr_i_dot(MR_SPLAT(z[0]), MR_SPLAT(z[1]), MR_SPLAT(z[2]), along), /* 32, 34 */
             z_error * mr_i_norm(along));
-        tau_lo[i] = u.lo;
-        tau_hi[i] = u.hi;
+        ws->lo[i] = u.lo;
+        ws->hi[i] = u.hi;
         if (model->parent[i] < 0) continue;
         mr_wrench_box *parent = &wrenches[model->parent[i]];
-        const MR_REAL turn_error = MR_ROTATION * MR_U + MR_U * sizes[i].follower;
         rotate_box(link->R, turn_error, own->f, f); /* 28 */
         rotate_box(link->R, turn_error, own->n, n); /* 29 */
         if (constants->before != MR_IDENTITY)

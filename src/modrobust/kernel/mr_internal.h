@@ -12,25 +12,27 @@
 /* How a constant transform acts; a D-H chain has only identities before its joints. */
 enum { MR_GENERAL = 0, MR_SHIFT = 1, MR_IDENTITY = 2 };
 
-/* Constants of a model, (j) of the first and (b) of the second after the header, all doubles. */
+/* Arrays of joints and bodies are padded, so that a register can be read at any entry. */
+static inline size_t mr_joint_stride(const mr_model *model) { return (size_t)model->j + 8; }
+static inline size_t mr_body_stride(const mr_model *model) { return (size_t)model->b + 8; }
+
+/* Constants of a model, all doubles: the header, (j) of the next, then the placements of the
+ * bodies component by component (12, b padded). */
 typedef struct {
-    double depth;     /* joints on the longest way from the base to a link */
-    double defect;    /* sum of all rotation matrices' distances from an orthonormal one */
-    double serial;    /* 1 where every joint's parent is the joint before it */
-    double prismatic; /* 1 where a joint is prismatic */
+    double depth;      /* joints on the longest way from the base to a link */
+    double defect;     /* sum of all rotation matrices' distances from an orthonormal one */
+    double serial;     /* 1 where every joint's parent is the joint before it */
+    double prismatic;  /* 1 where a joint is prismatic */
+    double placements; /* how the placements of the bodies act, all of them */
+    double aligned;    /* 1 where body k moves with joint k, for all bodies */
 } mr_model_constants;
 
 typedef struct {
-    double before;       /* how the transform before the joint acts */
-    double lever[3];     /* joint frame's origin to link frame's, in link axes, at q = 0 */
-    double before_norm;  /* |p| of the transform before */
+    double before;      /* how the transform before the joint acts */
+    double lever[3];    /* joint frame's origin to link frame's, in link axes, at q = 0 */
+    double before_norm; /* |p| of the transform before */
     double lever_norm;
 } mr_joint_constants;
-
-typedef struct {
-    double placement; /* how it acts */
-    double lever_norm;
-} mr_body_constants;
 
 static inline const mr_model_constants *mr_of_model(const mr_model *model) {
     return (const mr_model_constants *)model->folded;
@@ -40,16 +42,26 @@ static inline const mr_joint_constants *mr_of_joints(const mr_model *model) {
     return (const mr_joint_constants *)(mr_of_model(model) + 1);
 }
 
-static inline const mr_body_constants *mr_of_bodies(const mr_model *model) {
-    return (const mr_body_constants *)(mr_of_joints(model) + model->j);
+/* R row by row, then p. */
+static inline const double *mr_placements(const mr_model *model) {
+    return (const double *)(mr_of_joints(model) + model->j);
 }
 
-/* Sizes of one body's parameters, for the rounding bound. */
-typedef struct {
-    double mass, com, inertia; /* mass, |c|, Frobenius norm of I */
-} mr_body_norms;
+/* A parameter point for the pass, component by component (10, b padded): mass, com, inertia. */
+#define MR_POINT 10
+void mr_point_of(const mr_model *model, const mr_parameters *parameters, double *point);
 
-mr_body_norms mr_norms_of(const mr_parameters *parameters, int32_t b);
+/* Rounding of joint i's torque, (26): a times acceleration plus k times rotation, and more where
+ * prismatic joints reach out. */
+typedef struct {
+    double a, a_out, k, k_out;
+} mr_slack_constants;
+
+/* What an interval pass needs to know of one body: the farthest COM from the base, and the largest
+ * inertia in its box. */
+typedef struct {
+    double reach, inertia;
+} mr_body_sizes;
 
 /* An uncertain body's box as differences from nominal: shift +- radius. */
 typedef struct {
@@ -57,39 +69,41 @@ typedef struct {
     double com_shift[3], com_radius[3];
     double mass_shift, mass_radius, mass_middle;
     double inertia_shift[6], inertia_radius[6];
-    double com_norm, mass_change, inertia_norm, mass_largest; /* sizes of the changes */
+    double com_uncertain, inertia_uncertain; /* 0 where there is no shift and no radius */
 } mr_body_box;
 
-/* In mr_bounds.prepared: norms at nominal and at the largest point of each body (b each), then the
- * boxes of the uncertain bodies. */
-static inline const mr_body_norms *mr_nominal_norms(const mr_bounds *bounds) {
-    return (const mr_body_norms *)bounds->prepared;
+/* mr_bounds.prepared: the largest reach, the nominal point, slack (j), sizes (b), and the boxes of
+ * the uncertain bodies. */
+static inline const double *mr_nominal_point(const mr_bounds *bounds) {
+    return bounds->prepared + 1;
 }
 
-static inline const mr_body_norms *mr_largest_norms(const mr_model *model,
-                                                    const mr_bounds *bounds) {
-    return mr_nominal_norms(bounds) + model->b;
+static inline const mr_slack_constants *mr_hull_slack_constants(const mr_model *model,
+                                                                const mr_bounds *bounds) {
+    return (const mr_slack_constants *)(mr_nominal_point(bounds) +
+                                        MR_POINT * mr_body_stride(model));
+}
+
+static inline const mr_body_sizes *mr_sizes_of_bodies(const mr_model *model,
+                                                      const mr_bounds *bounds) {
+    return (const mr_body_sizes *)(mr_hull_slack_constants(model, bounds) + model->j);
 }
 
 static inline const mr_body_box *mr_boxes(const mr_model *model, const mr_bounds *bounds) {
-    return (const mr_body_box *)(mr_nominal_norms(bounds) + 2 * model->b);
+    return (const mr_body_box *)(mr_sizes_of_bodies(model, bounds) + model->b);
 }
 
-/* State of one link after the forward recursion of Algorithm 1, all in the link's own frame. */
+/* One link after the forward recursion of Algorithm 1, in its own frame. */
 typedef struct {
-    MR_REAL R[9];  /* link to parent link, line 6 */
-    MR_REAL p[3];  /* joint frame origin to link frame origin, line 9 */
-    MR_REAL w[3];  /* angular velocity, lines 13 and 18 */
-    MR_REAL wa[3]; /* auxiliary angular velocity, lines 14 and 19 */
-    MR_REAL dw[3]; /* angular acceleration, lines 15 and 20 */
-    MR_REAL a[3];  /* acceleration of the link frame origin minus gravity, lines 16 and 21 */
+    MR_REAL R[9]; /* link to parent link, line 6 */
+    MR_REAL p[3]; /* joint frame origin to link frame origin, line 9 */
 } mr_link;
 
-/* The same for one body, in the body's frame. */
-typedef struct {
-    MR_REAL w[3], wa[3], dw[3], a[3];
-    MR_REAL L[9]; /* (16) */
-} mr_motion;
+/* Components of the motion of links and bodies, in arrays: angular velocity (lines 13 and 18), the
+ * auxiliary one (14, 19), angular acceleration (15, 20), acceleration less gravity (16, 21). */
+enum { MR_W = 0, MR_WA = 3, MR_DW = 6, MR_A = 9, MR_MOTION = 12 };
+/* Those of a body go on: L of (16), and force and moment in link axes about the link's origin. */
+enum { MR_L = 12, MR_F = 21, MR_N = 24, MR_BODY = 27 };
 
 typedef struct {
     MR_REAL f[3], n[3];
@@ -99,16 +113,13 @@ typedef struct {
     mr_interval f[3], n[3];
 } mr_wrench_box;
 
-/* Upper bounds of Euclidean norms, link by link, (25). */
+/* Upper bounds of Euclidean norms at one state, (25). */
 typedef struct {
-    MR_REAL w, wa, dw, a; /* as in mr_link */
-    MR_REAL K;            /* of L in (16) */
-    MR_REAL p;            /* of the lever between joint and link frame */
-    MR_REAL reach;        /* of the way from the base to the link frame */
-    MR_REAL follower;     /* error of a follower's angle, in units of u */
-    MR_REAL f, n;         /* force and moment about the joint frame, nominal */
-    MR_REAL df, dn;       /* their changes over the box */
-} mr_size;
+    MR_REAL k;        /* |dw| + |w| |wa| of every link */
+    MR_REAL a;        /* of the acceleration, less k times the way from the base */
+    MR_REAL out;      /* what prismatic joints add to any way */
+    MR_REAL followed; /* sum of what the followers' angles are off, in units of u */
+} mr_motion_size;
 
 /* Joint and link seen from the base frame, for the hull. */
 typedef struct {
@@ -124,21 +135,20 @@ typedef struct {
 /* The caller's working memory, cut into arrays. */
 typedef struct {
     mr_link *links;     /* (j) */
-    mr_motion *motions; /* (b) */
+    MR_REAL *motion;    /* (MR_MOTION, j padded) */
+    MR_REAL *bodies;    /* (MR_BODY, b padded) */
     union {
         mr_wrench *real;
         mr_wrench_box *box;
     } wrench;           /* (j) */
-    mr_size *sizes;     /* (j) */
     mr_pose *poses;     /* (j) */
-    MR_REAL *axes;      /* (9, j padded) joint axes and points, component by component */
-    MR_REAL *lo, *hi, *mid, *slack; /* (j) results before they are known to be finite */
+    MR_REAL *axes;      /* (9, j padded) joint axes and points */
+    MR_REAL *sines;     /* (2, j padded) */
+    double *point;      /* (MR_POINT, b padded) */
+    MR_REAL *lo, *hi, *mid, *slack; /* (j padded) results before they are known to be finite */
     MR_REAL *dq_a, *ddq_a; /* (j) */
-    MR_REAL *full[4];   /* (j) a state with its followers */
+    MR_REAL *full[4];   /* (j padded) the state with its followers */
 } mr_workspace;
-
-/* Joints, padded so that a register can be read at any of them. */
-static inline size_t mr_padded(const mr_model *model) { return (size_t)model->j + 8; }
 
 mr_workspace mr_workspace_view(const mr_model *model, double *memory);
 
@@ -149,7 +159,7 @@ static inline int mr_all_finite(int32_t n, const double *x) {
     return 1;
 }
 
-/* Adds the positions, velocities and accelerations of the followers, (15). */
+/* Copies the state and adds positions, velocities and accelerations of the followers, (15). */
 void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[4]);
 
 /* Checks the n entries of each vector and adds those of the followers. */
@@ -161,44 +171,50 @@ mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const dou
 void mr_lead(const mr_model *model, MR_REAL *tau);
 void mr_lead_box(const mr_model *model, MR_REAL *lo, MR_REAL *hi);
 
-void mr_sine_cosine(MR_REAL x, MR_REAL *sine, MR_REAL *cosine);
+void mr_sine_cosine(mr_lane x, mr_lane *sine, mr_lane *cosine);
+
+/* Sines and cosines of all joints' positions. */
+void mr_all_sines(const mr_model *model, const MR_REAL *q, MR_REAL *sines);
 
 /* Rotation of link i to its parent and lever: lines 6 to 9 of Algorithm 1. */
-void mr_joint_geometry(const mr_model *model, int32_t i, MR_REAL q, mr_link *link);
+void mr_joint_geometry(const mr_model *model, int32_t i, const MR_REAL *q, const MR_REAL *sines,
+                       mr_link *link);
 
 /* Lines 2 to 24 of Algorithm 1 without the bodies. */
-void mr_forward_recursion(const mr_model *model, const mr_state *state, mr_link *links);
+void mr_forward_recursion(const mr_model *model, const mr_state *state, const mr_workspace *ws);
 
-/* Motion of every moving body, in its own frame. */
-void mr_body_motions(const mr_model *model, const mr_link *links, mr_motion *motions);
+/* Motion of every moving body in its own frame, and the force and moment that it asks for. */
+void mr_body_pass(const mr_model *model, const double *point, const mr_workspace *ws);
 
-/* NE* on links and motions that are filled in, without drives; no checks. */
-void mr_newton_euler(const mr_model *model, const mr_parameters *parameters, const mr_link *links,
-                     const mr_motion *motions, mr_wrench *wrenches, MR_REAL *tau);
+/* From line 25 on with real parameters, without drives. */
+void mr_backward_recursion(const mr_model *model, const mr_workspace *ws, MR_REAL *tau);
 
-/* Sizes of the motion, (25); returns the sum of what the followers' angles are off, in u. */
-MR_REAL mr_motion_sizes(const mr_model *model, const mr_state *state, mr_size *sizes);
+/* All of NE* without drives; no checks. */
+void mr_newton_euler(const mr_model *model, const double *point, const mr_state *state,
+                     const mr_workspace *ws, MR_REAL *tau);
 
-/* What rounding may change in NE* at a parameter point, and in NE* at nominal and the hull's
- * deviation together, (26), after mr_motion_sizes. */
-void mr_nominal_slack(const mr_model *model, const mr_parameters *parameters,
-                      const mr_state *state, MR_REAL followed, int drives, mr_size *sizes,
-                      MR_REAL *slack);
-void mr_hull_slack(const mr_model *model, const mr_bounds *bounds, const mr_state *state,
-                   MR_REAL followed, int drives, mr_size *sizes, MR_REAL *slack);
+/* Sizes (25) of the motion at a state. */
+mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state);
+
+/* Constants of (26) for NE* at a parameter point; work holds mr_slack_work doubles. */
+size_t mr_slack_work(const mr_model *model);
+void mr_point_slack(const mr_model *model, const mr_parameters *parameters, double *work,
+                    mr_slack_constants *constants);
+
+/* What rounding may change in the torques; reach is the largest of any body, and parameters are
+ * those of the drives, or NULL. */
+void mr_rounding_slack(const mr_model *model, const mr_slack_constants *constants, double reach,
+                       const mr_parameters *parameters, const mr_state *state,
+                       const mr_motion_size *size, MR_REAL *slack);
 
 /* Algorithm 1 from line 25 on. */
-void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_link *links,
-              const mr_motion *motions, const mr_size *sizes, MR_REAL followed,
-              mr_wrench_box *wrenches, MR_REAL *tau_lo, MR_REAL *tau_hi);
+void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_size *size,
+              const mr_workspace *ws);
 
 /* Range of the torque's difference from nominal over the box, (18), rounded to nearest. */
-void mr_hull_deviation(const mr_model *model, const mr_bounds *bounds, const mr_link *links,
-                       const mr_motion *motions, mr_pose *poses, MR_REAL *axes, MR_REAL *lo,
-                       MR_REAL *hi);
+void mr_hull_deviation(const mr_model *model, const mr_bounds *bounds, const mr_workspace *ws);
 
 /* (20) and (21): drive torque at a point, its box, and its box relative to nominal. */
-MR_REAL mr_smooth_sign(MR_REAL dq, double coulomb_speed);
 void mr_add_drives(const mr_model *model, const mr_parameters *parameters, const MR_REAL *dq,
                    const MR_REAL *ddq_a, MR_REAL *tau);
 void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const MR_REAL *dq,
@@ -209,10 +225,16 @@ void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds, con
 /* ws->mid: nominal torque; ws->lo, ws->hi: bounds of the torque (ianea), or of its difference from
  * nominal (hull), and ws->slack what rounding may add to either end of both. */
 void mr_torque_box(const mr_model *model, const mr_bounds *bounds, mr_method method,
-                   const mr_state *state, int drives, mr_workspace *ws);
+                   const mr_state *state, int drives, const mr_workspace *ws);
 
 /* Bounds of the torque from what mr_torque_box leaves. */
-void mr_total_bounds(const mr_model *model, mr_method method, mr_workspace *ws);
+void mr_total_bounds(const mr_model *model, mr_method method, const mr_workspace *ws);
+
+/* NE* and its rounding error (26) by constants of mr_point_slack. */
+mr_status mr_torque_with_error(const mr_model *model, const mr_parameters *parameters,
+                               const mr_slack_constants *constants, const double *q,
+                               const double *dq, const double *dq_a, const double *ddq_a,
+                               int drives, double *workspace, double *tau, double *error);
 
 /* Auxiliary velocity and acceleration (n) of (4). */
 void mr_auxiliary(int32_t n, const mr_gains *gains, const double *q, const double *dq,
@@ -229,8 +251,11 @@ mr_status mr_cholesky_solve(int32_t n, double *M, double *x);
 /* The public functions without the care for the floating-point environment: mr_entries.c. */
 mr_status mr_do_inverse_dynamics(const mr_model *model, const mr_parameters *parameters,
                                  const double *q, const double *dq, const double *dq_a,
-                                 const double *ddq_a, int drives, double *workspace, double *tau,
-                                 double *error);
+                                 const double *ddq_a, int drives, double *workspace, double *tau);
+mr_status mr_do_inverse_dynamics_rounding(const mr_model *model, const mr_parameters *parameters,
+                                          const double *q, const double *dq, const double *dq_a,
+                                          const double *ddq_a, int drives, double *workspace,
+                                          double *tau, double *error);
 mr_status mr_do_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *bounds,
                                         mr_method method, const double *q, const double *dq,
                                         const double *dq_a, const double *ddq_a, int drives,
@@ -261,6 +286,7 @@ mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, con
                              int32_t *logged);
 int32_t mr_do_find_uncertain(int32_t b, const mr_parameters *lower, const mr_parameters *upper,
                              int32_t *uncertain);
+void mr_do_sincos(double x, double *sine, double *cosine);
 void mr_do_fold(const mr_model *model, double *folded);
 void mr_do_prepare(const mr_model *model, const mr_bounds *bounds, double *prepared);
 

@@ -19,118 +19,91 @@ void mr_lead(const mr_model *model, MR_REAL *tau) {
         tau[model->leader[k]] += model->multiplier[k] * tau[model->n + k];
 }
 
-void mr_joint_geometry(const mr_model *model, int32_t i, MR_REAL q, mr_link *link) {
+void mr_all_sines(const mr_model *model, const MR_REAL *q, MR_REAL *sines) {
+    for (int32_t i = 0; i < model->j; i += MR_BLOCK) {
+        mr_lane s, c;
+        mr_sine_cosine(MR_TAKE(q, i), &s, &c);
+        MR_PUT(s, sines, i);
+        MR_PUT(c, sines + mr_joint_stride(model), i);
+    }
+}
+
+void mr_joint_geometry(const mr_model *model, int32_t i, const MR_REAL *q, const MR_REAL *sines,
+                       mr_link *link) {
     const mr_joint_constants *constants = &mr_of_joints(model)[i];
     const double *A = model->after[i].R;
-    mr_splat(constants->lever, link->p);
     MR_REAL turned[9];
     MR_REAL *joint_to_link = constants->before == MR_GENERAL ? turned : link->R;
+    mr_splat(constants->lever, link->p);
     for (int k = 0; k < 3; ++k) joint_to_link[6 + k] = MR_SPLAT(A[6 + k]);
     if (model->joint_type[i] == MR_REVOLUTE) {
-        MR_REAL s, c;
-        mr_sine_cosine(q, &s, &c);
+        const MR_REAL s = sines[i], c = sines[mr_joint_stride(model) + (size_t)i];
         for (int k = 0; k < 3; ++k) {
             joint_to_link[k] = c * A[k] - s * A[3 + k];
             joint_to_link[3 + k] = s * A[k] + c * A[3 + k];
         }
     } else {
-        mr_add_scaled(q, A + 6, link->p);
+        mr_add_scaled(q[i], A + 6, link->p);
         for (int k = 0; k < 6; ++k) joint_to_link[k] = MR_SPLAT(A[k]);
     }
-    if (constants->before == MR_GENERAL)
-        mr_multiply(model->before[i].R, turned, link->R);
+    if (constants->before == MR_GENERAL) mr_multiply(model->before[i].R, turned, link->R);
 }
 
-void mr_forward_recursion(const mr_model *model, const mr_state *state, mr_link *links) {
-    const double *g = model->gravity;
-    const MR_REAL *dq = state->dq, *dq_a = state->dq_a, *ddq_a = state->ddq_a;
+/* a += dw x p + w x (wa x p) */
+#define ADD_CARRIED(w, wa, dw, p, a)    \
+    do {                                \
+        MR_REAL carried_[3];            \
+        mr_cross(wa, p, carried_);      \
+        mr_add_cross(dw, p, a);         \
+        mr_add_cross(w, carried_, a);   \
+    } while (0)
+
+void mr_forward_recursion(const mr_model *model, const mr_state *state, const mr_workspace *ws) {
+    const size_t stride = mr_joint_stride(model);
+    mr_all_sines(model, state->q, ws->sines);
     for (int32_t i = 0; i < model->j; ++i) {
-        mr_link *link = &links[i];
-        const double *lever = model->before[i].p, *z = model->after[i].R + 6; /* line 8 */
-        MR_REAL cross[3];
-        mr_joint_geometry(model, i, state->q[i], link);
+        mr_link *link = &ws->links[i];
+        const int32_t parent = model->parent[i];
+        const double *g = model->gravity, *z = model->after[i].R + 6; /* line 8 */
+        const MR_REAL dq = state->dq[i], dq_a = state->dq_a[i], ddq_a = state->ddq_a[i];
+        MR_REAL w[3], wa[3], dw[3], a[3], cross[3];
+        mr_joint_geometry(model, i, state->q, ws->sines, link);
 
-        if (model->parent[i] < 0) {
+        if (parent < 0) {
             const double base_a[3] = {-g[0], -g[1], -g[2]}; /* line 3 */
-            mr_unrotate(link->R, base_a, link->a);
-            for (int k = 0; k < 3; ++k) link->w[k] = link->wa[k] = link->dw[k] = MR_SPLAT(0.0);
+            mr_unrotate(link->R, base_a, a);
+            for (int k = 0; k < 3; ++k) w[k] = wa[k] = dw[k] = MR_SPLAT(0.0);
         } else {
-            const mr_link *parent = &links[model->parent[i]];
-            mr_unrotate(link->R, parent->w, link->w);
-            mr_unrotate(link->R, parent->wa, link->wa);
-            mr_unrotate(link->R, parent->dw, link->dw);
-            if (mr_of_joints(model)[i].before == MR_IDENTITY) {
-                mr_unrotate(link->R, parent->a, link->a);
-            } else { /* the joint frame's origin, carried by the parent */
-                MR_REAL a[3];
-                mr_copy(parent->a, a);
-                mr_add_cross(parent->dw, lever, a);
-                mr_cross(parent->wa, lever, cross);
-                mr_add_cross(parent->w, cross, a);
-                mr_unrotate(link->R, a, link->a);
-            }
+            MR_REAL from[MR_MOTION];
+            for (size_t k = 0; k < MR_MOTION; ++k)
+                from[k] = ws->motion[k * stride + (size_t)parent];
+            if (mr_of_joints(model)[i].before != MR_IDENTITY) /* to the joint frame's origin */
+                ADD_CARRIED(from + MR_W, from + MR_WA, from + MR_DW, model->before[i].p,
+                            from + MR_A);
+            mr_unrotate(link->R, from + MR_W, w);
+            mr_unrotate(link->R, from + MR_WA, wa);
+            mr_unrotate(link->R, from + MR_DW, dw);
+            mr_unrotate(link->R, from + MR_A, a);
         }
 
+        mr_cross(wa, z, cross);
         if (model->joint_type[i] == MR_REVOLUTE) {
-            mr_cross(link->wa, z, cross);
-            mr_add_scaled(ddq_a[i], z, link->dw); /* line 15 */
-            mr_add_scaled(dq[i], cross, link->dw);
-            mr_add_scaled(dq[i], z, link->w);    /* line 13 */
-            mr_add_scaled(dq_a[i], z, link->wa); /* line 14 */
+            mr_add_scaled(ddq_a, z, dw); /* line 15 */
+            mr_add_scaled(dq, cross, dw);
+            mr_add_scaled(dq, z, w);    /* line 13 */
+            mr_add_scaled(dq_a, z, wa); /* line 14 */
         } else { /* the three terms at the end of line 21 */
-            mr_cross(link->wa, z, cross);
-            mr_add_scaled(dq[i], cross, link->a);
-            mr_cross(link->w, z, cross);
-            mr_add_scaled(dq_a[i], cross, link->a);
-            mr_add_scaled(ddq_a[i], z, link->a);
+            mr_add_scaled(dq, cross, a);
+            mr_cross(w, z, cross);
+            mr_add_scaled(dq_a, cross, a);
+            mr_add_scaled(ddq_a, z, a);
         }
-        mr_add_cross(link->dw, link->p, link->a); /* lines 16 and 21 */
-        mr_cross(link->wa, link->p, cross);
-        mr_add_cross(link->w, cross, link->a);
-    }
-}
-
-/* L of (16): L c = dw x c + w x (wa x c), row by row. */
-static void acceleration_matrix(const MR_REAL w[3], const MR_REAL wa[3], const MR_REAL dw[3],
-                                MR_REAL L[9]) {
-    const MR_REAL d = mr_dot(w, wa); /* w x (wa x c) = wa (w . c) - (w . wa) c */
-    L[0] = wa[0] * w[0] - d;
-    L[1] = wa[0] * w[1] - dw[2];
-    L[2] = wa[0] * w[2] + dw[1];
-    L[3] = wa[1] * w[0] + dw[2];
-    L[4] = wa[1] * w[1] - d;
-    L[5] = wa[1] * w[2] - dw[0];
-    L[6] = wa[2] * w[0] - dw[1];
-    L[7] = wa[2] * w[1] + dw[0];
-    L[8] = wa[2] * w[2] - d;
-}
-
-void mr_body_motions(const mr_model *model, const mr_link *links, mr_motion *motions) {
-    for (int32_t b = 0; b < model->b; ++b) {
-        if (model->body_joint[b] < 0) continue;
-        const mr_link *link = &links[model->body_joint[b]];
-        const mr_transform *T = &model->placement[b];
-        mr_motion *m = &motions[b];
-        const double kind = mr_of_bodies(model)[b].placement;
-        MR_REAL a[3];
-        mr_copy(link->a, a);
-        if (kind != MR_IDENTITY) {
-            MR_REAL cross[3];
-            mr_add_cross(link->dw, T->p, a);
-            mr_cross(link->wa, T->p, cross);
-            mr_add_cross(link->w, cross, a);
+        ADD_CARRIED(w, wa, dw, link->p, a); /* lines 16 and 21 */
+        for (size_t k = 0; k < 3; ++k) {
+            ws->motion[(MR_W + k) * stride + (size_t)i] = w[k];
+            ws->motion[(MR_WA + k) * stride + (size_t)i] = wa[k];
+            ws->motion[(MR_DW + k) * stride + (size_t)i] = dw[k];
+            ws->motion[(MR_A + k) * stride + (size_t)i] = a[k];
         }
-        if (kind != MR_GENERAL) {
-            mr_copy(link->w, m->w);
-            mr_copy(link->wa, m->wa);
-            mr_copy(link->dw, m->dw);
-            mr_copy(a, m->a);
-        } else {
-            mr_unrotate(T->R, link->w, m->w);
-            mr_unrotate(T->R, link->wa, m->wa);
-            mr_unrotate(T->R, link->dw, m->dw);
-            mr_unrotate(T->R, a, m->a);
-        }
-        acceleration_matrix(m->w, m->wa, m->dw, m->L);
     }
 }

@@ -6,7 +6,8 @@ enum { TAU, NOMINAL, V, PHI_LO, PHI_HI, RHO, W, W_ERROR, SPARE_LO, SPARE_HI, DQ_
        DRIVE, Q0, DQ0, Q1, DQ1, K_DQ, K_DDQ, SUM_DQ, SUM_DDQ, ARRAYS };
 
 size_t mr_loop_workspace_size(const mr_model *model) {
-    return mr_dynamics_workspace_size(model) + (size_t)ARRAYS * (size_t)model->n;
+    return mr_dynamics_workspace_size(model) + (size_t)ARRAYS * (size_t)model->n +
+           (size_t)model->j * sizeof(mr_slack_constants) / sizeof(double) + mr_slack_work(model);
 }
 
 /* One Runge-Kutta step of fourth order under a constant torque. */
@@ -69,15 +70,15 @@ static mr_status log_widths(const mr_model *model, const mr_bounds *bounds, cons
 
 /* w of (6) by the true parameters, and whether it left [Phi], (24). */
 static mr_status perturbation(const mr_model *model, const mr_parameters *true_parameters,
-                              const double *true_disturbance, const double *q, const double *dq,
+                              const mr_slack_constants *constants, const double *true_disturbance, const double *q, const double *dq,
                               double *workspace, double *const *a, mr_loop *loop) {
     const int32_t n = model->n;
     double *w = a[W];
     const double *nominal = a[NOMINAL], *error = a[W_ERROR];
     const double *lo = a[PHI_LO], *hi = a[PHI_HI];
     double largest = 0.0;
-    const mr_status status = mr_do_inverse_dynamics(model, true_parameters, q, dq, a[DQ_A],
-                                                    a[DDQ_A], 1, workspace, w, a[W_ERROR]);
+    const mr_status status = mr_torque_with_error(model, true_parameters, constants, q, dq,
+                                                  a[DQ_A], a[DDQ_A], 1, workspace, w, a[W_ERROR]);
     if (status) return status;
     for (int32_t i = 0; i < n; ++i) {
         const double rounding =
@@ -126,6 +127,9 @@ mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, con
     for (int k = 0; k < ARRAYS; ++k)
         a[k] = workspace + mr_dynamics_workspace_size(model) + (size_t)k * (size_t)n;
     mr_command_out out = {a[TAU], a[NOMINAL], a[V], a[PHI_LO], a[PHI_HI], a[RHO], 0.0, 0.0, 0.0};
+    double *work = a[ARRAYS - 1] + n;
+    mr_slack_constants *constants = (mr_slack_constants *)(work + mr_slack_work(model));
+    mr_point_slack(model, true_parameters, work, constants);
     *logged = 0;
     for (int32_t k = 0; k < count; ++k) {
         const double t = (double)loop->ticks * loop->dt;
@@ -143,8 +147,8 @@ mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, con
             *state = before;
             return MR_DIVERGED;
         }
-        if (perturbation(model, true_parameters, true_disturbance, loop->q, loop->dq, workspace,
-                         a, loop)) {
+        if (perturbation(model, true_parameters, constants, true_disturbance, loop->q, loop->dq,
+                         workspace, a, loop)) {
             *state = before;
             return MR_DIVERGED;
         }

@@ -151,10 +151,11 @@ mr_status mr_do_forward_kinematics(const mr_model *model, const double *q, doubl
     mr_state state;
     const mr_status status = mr_full_state(model, &ws, q, q, q, q, &state);
     if (status) return status;
+    mr_all_sines(model, state.q, ws.sines);
     for (int32_t i = 0; i < model->j; ++i) {
         mr_link *link = &ws.links[i];
         double position[3];
-        mr_joint_geometry(model, i, state.q[i], link);
+        mr_joint_geometry(model, i, state.q, ws.sines, link);
         mr_rotate(link->R, link->p, position);
         mr_add(model->before[i].p, position);
         if (model->parent[i] < 0) {
@@ -183,7 +184,9 @@ mr_status mr_do_mass_matrix(const mr_model *model, const mr_parameters *paramete
     mr_state state;
     const mr_status status = mr_full_state(model, &ws, q, q, q, q, &state);
     if (status) return status;
-    for (int32_t i = 0; i < model->j; ++i) mr_joint_geometry(model, i, state.q[i], &ws.links[i]);
+    mr_all_sines(model, state.q, ws.sines);
+    for (int32_t i = 0; i < model->j; ++i)
+        mr_joint_geometry(model, i, state.q, ws.sines, &ws.links[i]);
     mr_composite_mass(model, parameters, ws.links, drives, composite, result);
     if (!mr_all_finite(model->n * model->n, result)) return MR_NOT_FINITE;
     for (int32_t i = 0; i < model->n * model->n; ++i) M[i] = result[i];
@@ -202,9 +205,8 @@ mr_status mr_do_forward_dynamics(const mr_model *model, const mr_parameters *par
     for (int32_t i = 0; i < model->n; ++i) zero[i] = 0.0;
     mr_status status = mr_full_state(model, &ws, q, dq, dq, zero, &state);
     if (status) return status;
-    mr_forward_recursion(model, &state, ws.links);
-    mr_body_motions(model, ws.links, ws.motions);
-    mr_newton_euler(model, parameters, ws.links, ws.motions, ws.wrench.real, x);
+    mr_point_of(model, parameters, ws.point);
+    mr_newton_euler(model, ws.point, &state, &ws, x);
     if (drives) mr_add_drives(model, parameters, state.dq, state.ddq_a, x);
     mr_lead(model, x);
     for (int32_t i = 0; i < model->n; ++i) x[i] = tau[i] - x[i];

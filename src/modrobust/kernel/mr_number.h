@@ -26,6 +26,7 @@ typedef int64_t mr_lane_mask __attribute__((vector_size(8 * MR_LANES)));
 #define MR_LANE_ABS(x) ((mr_lane)((mr_lane_mask)(x) & INT64_MAX))
 #define MR_LANE_COPYSIGN(x, y) \
     ((mr_lane)(((mr_lane_mask)(x) & INT64_MAX) | ((mr_lane_mask)(y) & INT64_MIN)))
+#define MR_LANE_BITS(x) ((mr_lane_mask)(x))
 #else
 #define MR_LANES 1
 typedef double mr_lane;
@@ -33,6 +34,12 @@ typedef int64_t mr_lane_mask;
 #define MR_LANE_SELECT(mask, a, b) ((mask) ? (a) : (b))
 #define MR_LANE_ABS(x) fabs(x)
 #define MR_LANE_COPYSIGN(x, y) copysign(x, y)
+static inline int64_t mr_bits(double x) {
+    int64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+#define MR_LANE_BITS(x) mr_bits(x)
 #endif
 
 /* x - 0 is x for every x, the sign of a zero included. */
@@ -53,46 +60,43 @@ static inline int mr_lane_any(mr_lane_mask mask) {
     return any != 0;
 }
 
-/* A double that takes part in a mask's bits. */
-static inline int64_t mr_bits(double x) {
-    int64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
-static inline double mr_from_bits(int64_t bits) {
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
 #ifdef MR_BATCH
 #define MR_REAL mr_lane
 #define MR_MASK mr_lane_mask
-#define MR_WIDTH MR_LANES
 #define MR_SELECT MR_LANE_SELECT
 #define MR_ABS MR_LANE_ABS
 #define MR_COPYSIGN MR_LANE_COPYSIGN
 #define MR_SPLAT MR_LANE_SPLAT
-#define MR_BITS(x) ((mr_lane_mask)(x))
-#define MR_FROM_BITS(x) ((mr_lane)(x))
-static inline mr_lane mr_sqrt(mr_lane x) {
+#define MR_SQRT mr_lane_sqrt
+#else
+#define MR_REAL double
+#define MR_MASK int64_t
+#define MR_SELECT(mask, a, b) ((mask) ? (a) : (b))
+#define MR_ABS(x) fabs(x)
+#define MR_COPYSIGN(x, y) copysign(x, y)
+#define MR_SPLAT(x) (x)
+#define MR_SQRT sqrt
+#endif
+
+static inline mr_lane mr_lane_sqrt(mr_lane x) {
     double lane[MR_LANES];
     mr_lane_store(x, lane);
     for (int k = 0; k < MR_LANES; ++k) lane[k] = sqrt(lane[k]);
     return mr_lane_load(lane);
 }
+
+/* What does not depend on one another, joints or bodies, goes through registers MR_BLOCK at a
+ * time: side by side for one state, one by one in a batch, whose lanes are states. */
+#ifdef MR_BATCH
+#define MR_BLOCK 1
+#define MR_TAKE(array, i) ((array)[i])
+#define MR_TAKE_CONSTANT(array, i) MR_LANE_SPLAT((array)[i])
+#define MR_PUT(x, array, i) ((array)[i] = (x))
 #else
-#define MR_REAL double
-#define MR_MASK int64_t
-#define MR_WIDTH 1
-#define MR_SELECT(mask, a, b) ((mask) ? (a) : (b))
-#define MR_ABS(x) fabs(x)
-#define MR_COPYSIGN(x, y) copysign(x, y)
-#define MR_SPLAT(x) (x)
-#define MR_BITS(x) mr_bits(x)
-#define MR_FROM_BITS(x) mr_from_bits(x)
-static inline double mr_sqrt(double x) { return sqrt(x); }
+#define MR_BLOCK MR_LANES
+#define MR_TAKE(array, i) mr_lane_load((array) + (i))
+#define MR_TAKE_CONSTANT(array, i) mr_lane_load((array) + (i))
+#define MR_PUT(x, array, i) mr_lane_store(x, (array) + (i))
 #endif
 
 /* The smaller and the larger; the second where one is not a number. */

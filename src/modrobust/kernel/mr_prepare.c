@@ -38,14 +38,15 @@ static double defect_of(const mr_transform *T) {
 
 size_t mr_folded_size(const mr_model *model) {
     return DOUBLES(mr_model_constants) + (size_t)model->j * DOUBLES(mr_joint_constants) +
-           (size_t)model->b * DOUBLES(mr_body_constants);
+           12 * mr_body_stride(model);
 }
 
 void mr_do_fold(const mr_model *model, double *folded) {
+    const size_t stride = mr_body_stride(model);
     mr_model_constants *whole = (mr_model_constants *)folded;
     mr_joint_constants *joints = (mr_joint_constants *)(whole + 1);
-    mr_body_constants *bodies = (mr_body_constants *)(joints + model->j);
-    *whole = (mr_model_constants){0.0, 0.0, 1.0, 0.0};
+    double *placements = (double *)(joints + model->j);
+    *whole = (mr_model_constants){0.0, 0.0, 1.0, 0.0, MR_IDENTITY, 1.0};
     for (int32_t i = 0; i < model->j; ++i) {
         const mr_transform *before = &model->before[i], *after = &model->after[i];
         double depth = 1.0;
@@ -59,17 +60,25 @@ void mr_do_fold(const mr_model *model, double *folded) {
         joints[i].lever_norm = norm_up(3, after->p);
         mr_unrotate(after->R, after->p, joints[i].lever); /* line 9 */
     }
+    for (size_t k = 0; k < 12 * stride; ++k) placements[k] = 0.0;
     for (int32_t b = 0; b < model->b; ++b) {
         const mr_transform *T = &model->placement[b];
         whole->defect += defect_of(T);
-        bodies[b].placement = kind_of(T);
-        bodies[b].lever_norm = norm_up(3, T->p);
+        if (kind_of(T) != MR_IDENTITY) whole->placements = MR_GENERAL;
+        if (model->body_joint[b] != b) whole->aligned = 0.0;
+        for (size_t k = 0; k < 9; ++k) placements[k * stride + (size_t)b] = T->R[k];
+        for (size_t k = 0; k < 3; ++k) placements[(9 + k) * stride + (size_t)b] = T->p[k];
     }
 }
 
-mr_body_norms mr_norms_of(const mr_parameters *parameters, int32_t b) {
-    return (mr_body_norms){parameters->mass[b], norm_up(3, parameters->com + 3 * b),
-                           inertia_norm(parameters->inertia + 6 * b)};
+void mr_point_of(const mr_model *model, const mr_parameters *parameters, double *point) {
+    const size_t stride = mr_body_stride(model);
+    for (size_t k = 0; k < MR_POINT * stride; ++k) point[k] = 0.0;
+    for (size_t b = 0; b < (size_t)model->b; ++b) {
+        point[b] = parameters->mass[b];
+        for (size_t k = 0; k < 3; ++k) point[(1 + k) * stride + b] = parameters->com[3 * b + k];
+        for (size_t k = 0; k < 6; ++k) point[(4 + k) * stride + b] = parameters->inertia[6 * b + k];
+    }
 }
 
 /* [lo, hi] less nominal as shift +- radius. A shift that only rounding made goes into the radius.
@@ -86,45 +95,141 @@ static void centre(double lo, double nominal, double hi, double *shift, double *
 static mr_body_box box_of(const mr_bounds *bounds, int32_t b) {
     const mr_parameters *l = &bounds->lower, *c = &bounds->nominal, *h = &bounds->upper;
     mr_body_box box;
-    double reach[3], inertia[6];
-    box.off_centre = 0.0;
+    box.off_centre = box.com_uncertain = box.inertia_uncertain = 0.0;
     for (int k = 0; k < 3; ++k) {
         const int32_t e = 3 * b + k;
         centre(l->com[e], c->com[e], h->com[e], &box.com_shift[k], &box.com_radius[k]);
-        reach[k] = fabs(box.com_shift[k]) + box.com_radius[k];
         if (box.com_shift[k] != 0.0) box.off_centre = 1.0;
+        if (box.com_shift[k] != 0.0 || box.com_radius[k] != 0.0) box.com_uncertain = 1.0;
     }
     for (int k = 0; k < 6; ++k) {
         const int32_t e = 6 * b + k;
         centre(l->inertia[e], c->inertia[e], h->inertia[e], &box.inertia_shift[k],
                &box.inertia_radius[k]);
-        inertia[k] = fabs(box.inertia_shift[k]) + box.inertia_radius[k];
         if (box.inertia_shift[k] != 0.0) box.off_centre = 1.0;
+        if (box.inertia_shift[k] != 0.0 || box.inertia_radius[k] != 0.0)
+            box.inertia_uncertain = 1.0;
     }
     centre(l->mass[b], c->mass[b], h->mass[b], &box.mass_shift, &box.mass_radius);
     if (box.mass_shift != 0.0) box.off_centre = 1.0;
     box.mass_middle = c->mass[b] + box.mass_shift;
-    box.com_norm = norm_up(3, reach);
-    box.mass_change = fabs(box.mass_shift) + box.mass_radius;
-    box.inertia_norm = inertia_norm(inertia);
-    box.mass_largest = c->mass[b] + box.mass_change;
     return box;
 }
 
+/* Sums over the bodies that a joint carries; X is the way from the base to the COM, x the way from
+ * a frame. Force m (a + k X), moment m (a + k X) x + k |I|, and their changes over the box. */
+typedef struct {
+    double reach;          /* way from the base to the link frame, prismatic joints at zero */
+    double m, mX, mx, mXx; /* mXx holds |I| too */
+    double dm, dmX, dmXX;  /* dmX holds m r too, and dmXX all else that k multiplies */
+} sums;
+
+/* Adds body b to its link's sums; without a box nothing changes. */
+static void add_body(const mr_model *model, const mr_parameters *at, const mr_bounds *bounds,
+                     int32_t b, sums *s) {
+    const double m = at->mass[b];
+    const double x = norm_up(3, model->placement[b].p) + norm_up(3, at->com + 3 * b);
+    const double X = s->reach + x;
+    s->m += m;
+    s->mX += m * X;
+    s->mx += m * x;
+    s->mXx += m * X * x + inertia_norm(at->inertia + 6 * b);
+    if (!bounds) return;
+    const mr_parameters *l = &bounds->lower, *h = &bounds->upper;
+    double com[3], inertia[6];
+    for (int32_t k = 0; k < 3; ++k) {
+        const int32_t e = 3 * b + k;
+        com[k] = fmax(h->com[e] - at->com[e], at->com[e] - l->com[e]);
+    }
+    for (int32_t k = 0; k < 6; ++k) {
+        const int32_t e = 6 * b + k;
+        inertia[k] = fmax(h->inertia[e] - at->inertia[e], at->inertia[e] - l->inertia[e]);
+    }
+    const double dm = fmax(h->mass[b] - m, m - l->mass[b]), r = norm_up(3, com);
+    s->dm += dm;
+    s->dmX += dm * X + h->mass[b] * r;
+    s->dmXX += dm * X * X + h->mass[b] * r * (r + 2.0 * X) + inertia_norm(inertia);
+}
+
+/* x of all sums grows by a lever. */
+static void add_way(double lever, sums *s) {
+    s->mx += lever * s->m;
+    s->mXx += lever * s->mX;
+}
+
+/* Rates times sizes, (26). Errors grow with depth, are there once, and with the bodies and joints
+ * that are summed; infinite where the proof ends. work holds mr_slack_work doubles. */
+static void weigh(const mr_model *model, const mr_parameters *at, const mr_bounds *bounds,
+                  double *work, mr_slack_constants *constants) {
+    const mr_joint_constants *joints = mr_of_joints(model);
+    const double depth = mr_of_model(model)->depth, summed = model->b + 2.0 * model->j;
+    const double defect = 4.0 * mr_of_model(model)->defect / MR_U;
+    const double unit = MR_U * MR_SECOND_ORDER;
+    double nominal = (MR_NOMINAL_JOINT * depth + MR_NOMINAL_ONCE + summed) * unit;
+    double change = (MR_CHANGE_JOINT * depth + MR_CHANGE_ONCE + summed + defect) * unit;
+    if (!(change <= MR_RATE_MAX)) nominal = change = INFINITY;
+    sums *all = (sums *)work;
+    for (int32_t i = 0; i < model->j; ++i) {
+        const double before = model->parent[i] < 0 ? 0.0 : all[model->parent[i]].reach;
+        all[i] = (sums){before + joints[i].before_norm + joints[i].lever_norm, MR_TINY, MR_TINY,
+                        MR_TINY, MR_TINY, MR_TINY, MR_TINY, MR_TINY};
+    }
+    for (int32_t b = 0; b < model->b; ++b)
+        if (model->body_joint[b] >= 0) add_body(model, at, bounds, b, &all[model->body_joint[b]]);
+    for (int32_t i = model->j - 1; i >= 0; --i) {
+        sums *s = &all[i];
+        add_way(joints[i].lever_norm, s);
+        const double m = nominal * s->m + change * s->dm, mX = nominal * s->mX + change * s->dmX;
+        if (model->joint_type[i] == MR_REVOLUTE)
+            constants[i] = (mr_slack_constants){nominal * s->mx + change * s->dmX, m,
+                                                nominal * s->mXx + change * s->dmXX,
+                                                nominal * s->mx + mX + change * s->dmX};
+        else
+            constants[i] = (mr_slack_constants){m, 0.0, mX, m};
+        if (model->parent[i] < 0) continue;
+        sums *parent = &all[model->parent[i]];
+        add_way(joints[i].before_norm, s);
+        parent->m += s->m;
+        parent->mX += s->mX;
+        parent->mx += s->mx;
+        parent->mXx += s->mXx;
+        parent->dm += s->dm;
+        parent->dmX += s->dmX;
+        parent->dmXX += s->dmXX;
+    }
+}
+
+size_t mr_slack_work(const mr_model *model) { return (size_t)model->j * DOUBLES(sums); }
+
+void mr_point_slack(const mr_model *model, const mr_parameters *parameters, double *work,
+                    mr_slack_constants *constants) {
+    weigh(model, parameters, NULL, work, constants);
+}
+
 size_t mr_prepared_size(const mr_model *model) {
-    return (size_t)model->b * (2 * DOUBLES(mr_body_norms) + DOUBLES(mr_body_box));
+    return 1 + MR_POINT * mr_body_stride(model) + (size_t)model->j * DOUBLES(mr_slack_constants) +
+           (size_t)model->b * (DOUBLES(mr_body_sizes) + DOUBLES(mr_body_box)) +
+           mr_slack_work(model);
 }
 
 void mr_do_prepare(const mr_model *model, const mr_bounds *bounds, double *prepared) {
-    mr_body_norms *nominal = (mr_body_norms *)prepared, *largest = nominal + model->b;
-    mr_body_box *boxes = (mr_body_box *)(largest + model->b);
+    double *point = prepared + 1;
+    mr_slack_constants *slack = (mr_slack_constants *)(point + MR_POINT * mr_body_stride(model));
+    mr_body_sizes *sizes = (mr_body_sizes *)(slack + model->j);
+    mr_body_box *boxes = (mr_body_box *)(sizes + model->b);
+    sums *work = (sums *)(boxes + model->b);
+    prepared[0] = 0.0;
+    mr_point_of(model, &bounds->nominal, point);
+    weigh(model, &bounds->nominal, bounds, (double *)work, slack);
     for (int32_t b = 0; b < model->b; ++b) {
-        const mr_body_norms lower = mr_norms_of(&bounds->lower, b);
-        const mr_body_norms upper = mr_norms_of(&bounds->upper, b);
-        nominal[b] = mr_norms_of(&bounds->nominal, b);
-        /* each entry of a box is at most the sum of its ends' sizes */
-        largest[b] = (mr_body_norms){upper.mass, lower.com + upper.com,
-                                     lower.inertia + upper.inertia};
+        const int32_t i = model->body_joint[b];
+        /* an entry of a box is at most the sum of its ends' sizes */
+        sizes[b].reach = (i < 0 ? 0.0 : work[i].reach) + norm_up(3, model->placement[b].p) +
+                         norm_up(3, bounds->lower.com + 3 * b) +
+                         norm_up(3, bounds->upper.com + 3 * b);
+        sizes[b].inertia = inertia_norm(bounds->lower.inertia + 6 * b) +
+                           inertia_norm(bounds->upper.inertia + 6 * b);
+        if (sizes[b].reach > prepared[0]) prepared[0] = sizes[b].reach;
     }
     for (int32_t k = 0; k < bounds->uncertain_count; ++k)
         boxes[k] = box_of(bounds, bounds->uncertain[k]);

@@ -12,11 +12,16 @@ typedef struct {
     mr_lane Q[6]; /* xx xy xz yy yz zz */
 } mr_quadratic;
 
-static inline mr_lane mr_quadratic_value(const mr_quadratic *f, const mr_lane x[3]) {
+/* x' Q x */
+static inline mr_lane mr_square(const mr_quadratic *f, const mr_lane x[3]) {
     const mr_lane *Q = f->Q;
-    const mr_lane square = Q[0] * x[0] * x[0] + Q[3] * x[1] * x[1] + Q[5] * x[2] * x[2];
+    const mr_lane pure = Q[0] * x[0] * x[0] + Q[3] * x[1] * x[1] + Q[5] * x[2] * x[2];
     const mr_lane mixed = Q[1] * x[0] * x[1] + Q[2] * x[0] * x[2] + Q[4] * x[1] * x[2];
-    return mr_dot(f->g, x) + (square + 2.0 * mixed);
+    return pure + 2.0 * mixed;
+}
+
+static inline mr_lane mr_quadratic_value(const mr_quadratic *f, const mr_lane x[3]) {
+    return mr_dot(f->g, x) + mr_square(f, x);
 }
 
 /* Index of Q's entry for rows j and k. */
@@ -98,26 +103,25 @@ static mr_lane mr_max_by_faces(const mr_quadratic *f, const mr_lane r[3]) {
 }
 
 /* lo, hi <- the range; lanes outside `active` cost no extra time and hold anything. */
-static inline void mr_quadratic_range(const mr_quadratic *f, const mr_lane r[3],
+static inline void mr_quadratic_range(const mr_quadratic *f, const double radius[3],
                                       mr_lane_mask active, mr_lane *lo, mr_lane *hi) {
-    mr_lane_mask open[3];
     const mr_lane *Q = f->Q, *g = f->g;
-    mr_lane size[6], at_end[3];
-    for (int k = 0; k < 6; ++k) size[k] = MR_LANE_ABS(Q[k]);
+    const mr_lane r[3] = {MR_LANE_SPLAT(radius[0]), MR_LANE_SPLAT(radius[1]),
+                          MR_LANE_SPLAT(radius[2])};
+    const mr_lane xy = MR_LANE_ABS(Q[1]), xz = MR_LANE_ABS(Q[2]), yz = MR_LANE_ABS(Q[4]);
+    const mr_lane bend[3] = {MR_LANE_ABS(Q[0]) * r[0] + xy * r[1] + xz * r[2],
+                             xy * r[0] + MR_LANE_ABS(Q[3]) * r[1] + yz * r[2],
+                             xz * r[0] + yz * r[1] + MR_LANE_ABS(Q[5]) * r[2]};
+    mr_lane_mask open[3];
+    mr_lane x[3];
     for (int k = 0; k < 3; ++k) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        const mr_lane bend = size[MR_ROW[k][k]] * r[k] + size[MR_ROW[k][i]] * r[i] +
-                             size[MR_ROW[k][j]] * r[j];
-        open[k] = (MR_LANE_ABS(g[k]) < 2.0 * bend) & active;
-        at_end[k] = MR_LANE_COPYSIGN(r[k], g[k]);
+        open[k] = (MR_LANE_ABS(g[k]) < 2.0 * bend[k]) & active;
+        x[k] = MR_LANE_COPYSIGN(r[k], g[k]);
     }
-    const mr_lane square =
-        Q[0] * at_end[0] * at_end[0] + Q[3] * at_end[1] * at_end[1] + Q[5] * at_end[2] * at_end[2];
-    const mr_lane mixed = Q[1] * at_end[0] * at_end[1] + Q[2] * at_end[0] * at_end[2] +
-                          Q[4] * at_end[1] * at_end[2];
-    const mr_lane slope = mr_dot(g, at_end), bend = square + 2.0 * mixed;
-    *hi = slope + bend;
-    *lo = bend - slope;
+    /* the largest value at x and the smallest at -x: slope changes sign, the square does not */
+    const mr_lane slope = mr_dot(g, x), square = mr_square(f, x);
+    *hi = slope + square;
+    *lo = square - slope;
     const mr_lane_mask some = open[0] | open[1] | open[2];
     if (!mr_lane_any(some)) return;
 

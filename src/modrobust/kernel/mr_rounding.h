@@ -19,16 +19,17 @@
 #define MR_CHANGE_JOINT 196.0 /* the hull's deviation from it */
 #define MR_CHANGE_ONCE 300.0
 
-/* How often a link's rotation enters the two, for followers, whose angle is rounded itself. */
-#define MR_NOMINAL_TURNS 3.0
-#define MR_CHANGE_TURNS 7.0
-
 /* Second-order terms and the rounding of the sizes, for rates up to MR_RATE_MAX. */
 #define MR_SECOND_ORDER (1.0 + 0x1p-19)
 #define MR_RATE_MAX 0x1p-21
 
-/* Added to each size: underflow is then no larger than rounding. Beyond the other limit a
- * product could overflow unseen. */
+#define MR_DRIVE 32.0 /* torque of a drive, and its part in the sums */
+
+/* How much of the whole a follower's angle can make of it, at most 7 turns of rates above 112. */
+#define MR_FOLLOWED 0x1p-4
+
+/* Added to sizes: underflow is then no larger than rounding. Beyond the other limit a product
+ * could overflow unseen. */
 #define MR_TINY 0x1p-960
 #define MR_HUGE 0x1p900
 

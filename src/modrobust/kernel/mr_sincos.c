@@ -1,4 +1,4 @@
-/* Sine and cosine: reduction by a pi/2 in three parts, then Taylor polynomials on [-pi/4, pi/4].
+/* Sine and cosine, lane by lane: reduction by a pi/2 in three parts, then Taylor polynomials on [-pi/4, pi/4].
  *
  * For |x| <= 1e5 the multiple k of pi/2 has at most 16 bits, so that k times the first two parts
  * (33 bits each) is exact; the third part leaves an absolute error below 2^-100. The first
@@ -15,18 +15,18 @@ static const double HALF_PI_3 = 0x1.3198a2e037073p-69;
  * are those of the integer in two's complement. */
 static const double ROUND = 0x1.8p52;
 
-void mr_sine_cosine(MR_REAL x, MR_REAL *sine, MR_REAL *cosine) {
-    const MR_REAL shifted = x * TWO_OVER_PI + ROUND;
-    const MR_REAL k = shifted - ROUND;
-    const MR_REAL a = x - k * HALF_PI_1;
-    const MR_REAL b = k * HALF_PI_2;
-    const MR_REAL head = a - b;
-    const MR_REAL c = k * HALF_PI_3;
-    const MR_REAL y = head - c;
-    const MR_REAL t = (head - y) - c + ((a - head) - b); /* y + t is the reduced angle */
+void mr_sine_cosine(mr_lane x, mr_lane *sine, mr_lane *cosine) {
+    const mr_lane shifted = x * TWO_OVER_PI + ROUND;
+    const mr_lane k = shifted - ROUND;
+    const mr_lane a = x - k * HALF_PI_1;
+    const mr_lane b = k * HALF_PI_2;
+    const mr_lane head = a - b;
+    const mr_lane c = k * HALF_PI_3;
+    const mr_lane y = head - c;
+    const mr_lane t = (head - y) - c + ((a - head) - b); /* y + t is the reduced angle */
 
-    const MR_REAL z = y * y;
-    const MR_REAL s =
+    const mr_lane z = y * y;
+    const mr_lane s =
         -0x1.5555555555555p-3 +
         z * (0x1.1111111111111p-7 +
              z * (-0x1.a01a01a01a01ap-13 +
@@ -34,7 +34,7 @@ void mr_sine_cosine(MR_REAL x, MR_REAL *sine, MR_REAL *cosine) {
                        z * (-0x1.ae64567f544e4p-26 +
                             z * (0x1.6124613a86d09p-33 +
                                  z * (-0x1.ae7f3e733b81fp-41 + z * 0x1.952c77030ad4ap-49))))));
-    const MR_REAL r =
+    const mr_lane r =
         0x1.5555555555555p-5 +
         z * (-0x1.6c16c16c16c17p-10 +
              z * (0x1.a01a01a01a01ap-16 +
@@ -43,15 +43,27 @@ void mr_sine_cosine(MR_REAL x, MR_REAL *sine, MR_REAL *cosine) {
                             z * (-0x1.93974a8c07c9dp-37 + z * 0x1.ae7f3e733b81fp-45)))));
 
     /* sin(y + t) = sin y + t cos y and cos(y + t) = cos y - t sin y to first order in t. */
-    const MR_REAL sin_y = y + (y * z * s + t * (1.0 - 0.5 * z));
-    const MR_REAL half = 0.5 * z;
-    const MR_REAL one = 1.0 - half;
-    const MR_REAL cos_y = one + (((1.0 - one) - half) + (z * z * r - t * y));
+    const mr_lane sin_y = y + (y * z * s + t * (1.0 - 0.5 * z));
+    const mr_lane half = 0.5 * z;
+    const mr_lane one = 1.0 - half;
+    const mr_lane cos_y = one + (((1.0 - one) - half) + (z * z * r - t * y));
 
     /* Quadrant k mod 4: odd ones exchange the two, bits of k and k + 1 give the signs. */
-    const MR_MASK quadrant = MR_BITS(shifted);
-    const MR_MASK odd = (quadrant & 1) != 0;
-    const MR_REAL first = MR_SELECT(odd, cos_y, sin_y), second = MR_SELECT(odd, sin_y, cos_y);
-    *sine = MR_SELECT((quadrant & 2) != 0, -first, first);
-    *cosine = MR_SELECT(((quadrant + 1) & 2) != 0, -second, second);
+    const mr_lane_mask quadrant = MR_LANE_BITS(shifted);
+    const mr_lane_mask odd = (quadrant & 1) != 0;
+    const mr_lane first = MR_LANE_SELECT(odd, cos_y, sin_y), second = MR_LANE_SELECT(odd, sin_y, cos_y);
+    *sine = MR_LANE_SELECT((quadrant & 2) != 0, -first, first);
+    *cosine = MR_LANE_SELECT(((quadrant + 1) & 2) != 0, -second, second);
 }
+
+#ifndef MR_BATCH
+void mr_do_sincos(double x, double *sine, double *cosine) {
+    double s[MR_LANES], c[MR_LANES];
+    mr_lane lane_s, lane_c;
+    mr_sine_cosine(MR_LANE_SPLAT(x), &lane_s, &lane_c);
+    mr_lane_store(lane_s, s);
+    mr_lane_store(lane_c, c);
+    *sine = s[0];
+    *cosine = c[0];
+}
+#endif

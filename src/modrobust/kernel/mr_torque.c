@@ -2,29 +2,25 @@
 #include "mr_internal.h"
 
 void mr_torque_box(const mr_model *model, const mr_bounds *bounds, mr_method method,
-                   const mr_state *state, int drives, mr_workspace *ws) {
+                   const mr_state *state, int drives, const mr_workspace *ws) {
     const MR_REAL *dq = state->dq, *ddq_a = state->ddq_a;
-    mr_forward_recursion(model, state, ws->links);
-    mr_body_motions(model, ws->links, ws->motions);
-    mr_newton_euler(model, &bounds->nominal, ws->links, ws->motions, ws->wrench.real, ws->mid);
+    const mr_motion_size size = mr_size_of_motion(model, state);
+    mr_newton_euler(model, mr_nominal_point(bounds), state, ws, ws->mid);
     if (drives) mr_add_drives(model, &bounds->nominal, dq, ddq_a, ws->mid);
-    const MR_REAL followed = mr_motion_sizes(model, state, ws->sizes);
-    if (method == MR_IANEA) {
-        mr_ianea(model, bounds, ws->links, ws->motions, ws->sizes, followed, ws->wrench.box,
-                 ws->lo, ws->hi);
-        if (drives) mr_add_drives_box(model, bounds, dq, ddq_a, ws->lo, ws->hi);
-        mr_lead_box(model, ws->lo, ws->hi);
-    } else {
-        mr_hull_deviation(model, bounds, ws->links, ws->motions, ws->poses, ws->axes, ws->lo,
-                          ws->hi);
-        if (drives) mr_add_drives_deviation(model, bounds, dq, ddq_a, ws->lo, ws->hi);
-        mr_lead_box(model, ws->lo, ws->hi);
-        mr_hull_slack(model, bounds, state, followed, drives, ws->sizes, ws->slack);
-    }
     mr_lead(model, ws->mid);
+    if (method == MR_IANEA) {
+        mr_ianea(model, bounds, &size, ws);
+        if (drives) mr_add_drives_box(model, bounds, dq, ddq_a, ws->lo, ws->hi);
+    } else {
+        mr_hull_deviation(model, bounds, ws);
+        if (drives) mr_add_drives_deviation(model, bounds, dq, ddq_a, ws->lo, ws->hi);
+        mr_rounding_slack(model, mr_hull_slack_constants(model, bounds), bounds->prepared[0],
+                          drives ? &bounds->upper : NULL, state, &size, ws->slack);
+    }
+    mr_lead_box(model, ws->lo, ws->hi);
 }
 
-void mr_total_bounds(const mr_model *model, mr_method method, mr_workspace *ws) {
+void mr_total_bounds(const mr_model *model, mr_method method, const mr_workspace *ws) {
     if (method == MR_IANEA) return;
     for (int32_t i = 0; i < model->n; ++i) {
         const mr_interval total = mr_i_add((mr_interval){ws->lo[i], ws->hi[i]},
