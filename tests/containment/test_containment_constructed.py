@@ -49,7 +49,6 @@ def small(robot: Robot, size: float) -> Robot:
     return replace(robot, gravity=np.zeros(3), **frames, **points)
 
 
-@MISSED
 @pytest.mark.parametrize("far", [1e3, 1e6])
 def test_a_small_arm_far_from_its_base_frame(far: float) -> None:
     rng = np.random.default_rng(5)
