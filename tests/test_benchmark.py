@@ -126,9 +126,12 @@ def test_the_whole_benchmark_is_json_and_shows_its_progress(arm: Robot) -> None:
     (robot,) = figures["robots"]
     assert [item["bound"] for item in robot["times"]] == ["hull", "ianea"]
     assert [item["where"] for item in robot["tightness"]] == [
-        "along the trajectory",
+        "20 states of the trajectory",
         "20 random states, seed 0",
     ]
+    for item in robot["tightness"]:
+        np.testing.assert_allclose(item["hull_over_found"], 1.0, atol=1e-6)
+        np.testing.assert_allclose(item["width_found"], item["width_hull"], rtol=1e-6)
     assert [item["joints"] for item in figures["growth"]] == [[2, 16, 32]] * 2
     assert figures["growth"][0]["exponent"] is not None
     assert not figures["interrupted"]

@@ -72,6 +72,7 @@ LAYERS = {
     "video": 5,
     "viewer": 5,
     "benchmark": 5,
+    "found_range": 5,
     "peers": 5,
     "export": 5,
     "": 6,  # the facade, modrobust/__init__.py

@@ -2,8 +2,8 @@
 
 Three measurements: the controller replayed on a simulation's inputs sampled at 1 ms (`replay`),
 its time against the number of joints (`growth`), and the width of the perturbation bound by
-Algorithm 1 against the exact hull (`tightness`). `benchmark` does all of them and keeps what it has
-when Ctrl-C comes.
+Algorithm 1 and by the hull against the range that a search finds (`tightness`). `benchmark` does
+all of them and keeps what it has when Ctrl-C comes.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from modrobust.control import RobustController
 from modrobust.dynamics import perturbation_bounds
 from modrobust.errors import ValueRangeError
+from modrobust.found_range import found_range, probe_count
 from modrobust.kernel import METHODS
 from modrobust.metrics import plain, ratio, time_statistics
 from modrobust.result import SimulationResult
@@ -38,6 +39,9 @@ SIZES = (2, 4, 8, 16, 32, 64, 128, 256)
 _FIT_FROM = 16
 _RANDOM_SPEED = 2.0  # [rad/s] or [m/s], where the robot has no velocity limit
 _RANDOM_ACCELERATION = 5.0  # [rad/s^2] or [m/s^2]
+_MOVING = 10.0  # times the Coulomb speed: smooth and true friction differ by 0.5 % there
+_FEWEST_STATES = 20
+_EVALUATIONS = 40_000  # of inverse dynamics, for each search
 
 Progress = Callable[[str, float], None]
 
@@ -98,9 +102,11 @@ class Tightness:
     where: str
     width_hull: Array
     width_ianea: Array
+    width_found: Array | None = None
+    """Of the true range as far as a search attains it; None where none was made."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Mean widths, their ratio, and the median of each state's ratio, per joint."""
+        """Mean widths, their ratios, and the median of each state's ratio, per joint."""
         hull, ianea = self.width_hull.mean(axis=0), self.width_ianea.mean(axis=0)
         each = ratio(self.width_ianea, self.width_hull)
         # A joint whose bound has no width has no ratio, in any state.
@@ -118,6 +124,9 @@ class Tightness:
                 "ratio_median": median,
             }
         )
+        if self.width_found is not None:
+            found = self.width_found.mean(axis=0)
+            figures |= plain({"width_found": found, "hull_over_found": ratio(hull, found)})
         return figures
 
 
@@ -219,11 +228,14 @@ def growth(
     return result
 
 
-def random_tightness(robot: Robot, states: int = 1000, seed: int = 0) -> Tightness:
+def random_tightness(
+    robot: Robot, states: int = 1000, seed: int = 0, search: bool = False
+) -> Tightness:
     """Widths of [Phi] by both methods over random states.
 
     Positions are drawn from the limits (+-pi rad, +-0.5 m without), velocities and auxiliary
     velocities from theirs (+-2 rad/s, +-2 m/s without), auxiliary accelerations from +-5 rad/s^2.
+    With ``search``, against the range that is found too.
     """
     rng = np.random.default_rng(seed)
     n = robot.n
@@ -237,12 +249,42 @@ def random_tightness(robot: Robot, states: int = 1000, seed: int = 0) -> Tightne
     speed = np.where(np.isfinite(limit), limit, _RANDOM_SPEED)
     dq, dq_a = rng.uniform(-speed, speed, (2, states, n))
     ddq_a = rng.uniform(-_RANDOM_ACCELERATION, _RANDOM_ACCELERATION, (states, n))
-    widths = {name: np.empty((states, n)) for name in METHODS}
-    for i in range(states):
-        for name, width in widths.items():
-            lower, upper = perturbation_bounds(robot, q[i], dq[i], dq_a[i], ddq_a[i], method=name)
-            width[i] = upper - lower
-    return Tightness(f"{states} random states, seed {seed}", widths["hull"], widths["ianea"])
+    return _tightness(robot, f"{states} random states, seed {seed}", (q, dq, dq_a, ddq_a), search)
+
+
+def trajectory_tightness(run: SimulationResult, states: int = 1000) -> Tightness:
+    """Widths of [Phi] by both methods, and found by search, at up to so many states of a run.
+
+    The states are evenly spaced among those in which every joint moves (all, if none is such):
+    about standstill a bound holds for true Coulomb friction too, which the search does not try.
+    """
+    moving = np.flatnonzero(
+        (np.abs(run.dq) > _MOVING * run.robot.coulomb_speed[: run.robot.n]).all(axis=1)
+    )
+    rows = moving if len(moving) else np.arange(len(run.t))
+    rows = rows[np.linspace(0, len(rows) - 1, min(states, len(rows))).astype(int)]
+    K_r = np.asarray(run.controller.K_r)
+    dq_a = run.dq_des + K_r * (run.q_des - run.q)  # (4)
+    ddq_a = run.ddq_des + K_r * (run.dq_des - run.dq)
+    chosen = (run.q[rows], run.dq[rows], dq_a[rows], ddq_a[rows])
+    return _tightness(run.robot, f"{len(rows)} states of the trajectory", chosen, search=True)
+
+
+def _tightness(
+    robot: Robot, where: str, states: tuple[Array, Array, Array, Array], search: bool
+) -> Tightness:
+    widths: dict[str, Array] = {}
+    for name in METHODS:
+        rows = zip(*states, strict=True)
+        bounds = [perturbation_bounds(robot, q, v, va, aa, method=name) for q, v, va, aa in rows]
+        widths[name] = np.array([hi - lo for lo, hi in bounds])
+    found = None
+    if search:
+        q, dq, dq_a, ddq_a = states
+        lo, hi = found_range(robot, q, dq, dq_a, ddq_a)
+        # [d] shifts the torque, whatever the parameters are
+        found = hi - lo + (robot.disturbance.hi - robot.disturbance.lo)
+    return Tightness(where, widths["hull"], widths["ianea"], found)
 
 
 def benchmark(
@@ -261,7 +303,8 @@ def benchmark(
         robots: Robots to measure; each is simulated on its own default motion for the inputs.
         repeat: How often each time is taken.
         sizes: Numbers of joints for the growth; empty for none.
-        states: Random states for the tightness.
+        states: States for the tightness, along the trajectory and random; fewer where a robot
+            has so many bodies that the search would take long.
         seed: Seeds the true parameters and the random states.
         duration: Length of the simulations [s].
         progress: Called with what is being done and its fraction done.
@@ -316,6 +359,8 @@ def _measure(
     for i, bound in enumerate(METHODS):
         own.times.append(replay(run, bound, repeat))
         show(f"{robot.name}: replay", (i + 1) / len(METHODS))
-    own.tightness.append(Tightness("along the trajectory", run.width_hull, run.width_ianea))
-    own.tightness.append(random_tightness(robot, states, seed))
+    # as many states as a search of about a second allows
+    states = min(states, max(_FEWEST_STATES, _EVALUATIONS // probe_count(robot)))
+    own.tightness.append(trajectory_tightness(run, states))
+    own.tightness.append(random_tightness(robot, states, seed, search=True))
     show(f"{robot.name}: tightness", 1.0)
