@@ -6,7 +6,7 @@ import datetime
 import os
 import platform
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import modrobust as mr
@@ -17,19 +17,29 @@ from modrobust.peers.timing import Comparison
 from modrobust.robot import Robot
 
 
-def machine() -> str:
-    """Date, processor, number of processors, load and Python's version, in a line."""
+def processor() -> str:
+    """Its name, where the system says it."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        name = next(x.partition(":")[2].strip() for x in lines if x.startswith("model name"))
+        return next(x.partition(":")[2].strip() for x in lines if x.startswith("model name"))
     except (OSError, StopIteration):
-        name = platform.machine()
-    load = os.getloadavg()[0]
+        return platform.machine()
+
+
+def machine() -> str:
+    """Date, processor, number of processors, load and Python's version, in a line."""
     today = datetime.datetime.now(datetime.UTC).date()
     return (
-        f"{today:%d %B %Y}, {name}, {os.cpu_count()} processors, load {load:.1f}, "
-        f"Python {platform.python_version()}"
+        f"{today:%d %B %Y}, {processor()}, {os.cpu_count()} processors, "
+        f"load {os.getloadavg()[0]:.1f}, Python {platform.python_version()}"
     )
+
+
+def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table in Markdown."""
+    lines = ["| " + " | ".join(cells) + " |" for cells in (head, *rows)]
+    lines.insert(1, "|" + "---|" * len(head))
+    return "\n".join(lines)
 
 
 def main(peer: str, compare: Callable[[Robot], Comparison]) -> None:

@@ -7,6 +7,7 @@ with one uncertain body at the tip, less the same chain with none: linear in the
 1.1 too; `hull` with every body uncertain: the square.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -49,27 +50,34 @@ def seconds(n: int, bodies: int) -> float:
     return min(float(np.median(controller.time_commands(*inputs))) for _ in range(ROUNDS))
 
 
-def main() -> None:
-    """Measure and print."""
-    print(machine())
-    columns = {
-        "ianea, all": Growth("ianea"),
-        "hull, all": Growth("hull"),
-        "hull, one body": Growth("hull"),
-    }
-    print(f"{'joints':>8}" + "".join(f"{name:>20}" for name in columns))
+def measured() -> dict[str, Growth]:
+    """The three columns, over all sizes."""
+    columns = {name: Growth(name) for name in ("ianea, all", "hull, all", "hull, one body")}
     for n in SIZES:
         found = (
             chain_times(n, "ianea", 3),
             chain_times(n, "hull", 3),
-            max(seconds(n, 1) - seconds(n, 0), 0.0),
+            max(seconds(n, 1) - seconds(n, 0), 1e-12),  # [s]; a logarithm is taken of it
         )
         for growth, time in zip(columns.values(), found, strict=True):
             growth.joints.append(n)
-            growth.seconds.append(max(time, 1e-12))
-        print(f"{n:8}" + "".join(f"{time * 1e6:17.2f} us" for time in found))
-    exponents = "".join(f"{growth.exponent or 0.0:20.3f}" for growth in columns.values())
-    print(f"{'exponent':>8}{exponents}")
+            growth.seconds.append(time)
+    return columns
+
+
+def rows(columns: dict[str, Growth]) -> Iterator[list[str]]:
+    """Microseconds a command, then the fitted exponents."""
+    for k, n in enumerate(SIZES):
+        yield [str(n), *(f"{growth.seconds[k] * 1e6:.3g}" for growth in columns.values())]
+    yield ["exponent", *(f"{growth.exponent or 0.0:.3f}" for growth in columns.values())]
+
+
+def main() -> None:
+    """Measure and print."""
+    print(machine())
+    columns = measured()
+    for row in (["joints", *(f"{name} [us]" for name in columns)], *rows(columns)):
+        print("".join(f"{cell:>20}" for cell in row))
 
 
 if __name__ == "__main__":

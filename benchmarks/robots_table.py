@@ -22,6 +22,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
+from common import markdown, processor  # noqa: E402
+
 import modrobust as mr  # noqa: E402
 from modrobust.benchmark import random_tightness, replay  # noqa: E402
 from test_real_robots import LOADED, REFUSED, located  # noqa: E402
@@ -79,22 +81,6 @@ def row(package: str, name: str, seconds: float, folder: Path) -> list[str]:
     ]
 
 
-def table(head: tuple[str, ...], rows: list[list[str]]) -> str:
-    """A table in Markdown."""
-    lines = ["| " + " | ".join(cells) + " |" for cells in (head, *rows)]
-    lines.insert(1, "|" + "---|" * len(head))
-    return "\n".join(lines)
-
-
-def processor() -> str:
-    """Its name, where the system says it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        return next(x.partition(":")[2].strip() for x in lines if x.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.machine()
-
-
 def refusals() -> list[list[str]]:
     """What is refused, with the product's own words."""
     rows = []
@@ -142,7 +128,7 @@ For the table each robot gets the same uncertainty and the same gains, none tune
 - {gains}; law `norm`, bound `hull`, 50 kHz. The motion is a seeded quintic through
   waypoints within the limits; the run starts {START:g} off it, in norm.
 
-{table(HEAD, rows)}
+{markdown(HEAD, rows)}
 
 Joints: free ones + those that follow another. Load: the file alone, the shortest of three;
 xacro is expanded in a process of its own (px100 to wx250s).
@@ -157,7 +143,7 @@ Five of them are ready as `modrobust simulate NAME`, with bounds and gains of th
 
 ## Refused
 
-{table(("file", "package", "why"), refusals())}
+{markdown(("file", "package", "why"), refusals())}
 
 Where a figure is wrong or missing, the robot loads once an assembly file gives it (`links:`,
 `joints:`), or once the part that has it is left out with `--tip` or `--base`: [urdf.md](urdf.md).

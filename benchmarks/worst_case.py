@@ -9,38 +9,62 @@ that what interrupts the machine does not count. Typical: the median state at 5 
 """
 
 import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from common import machine
 
 import modrobust as mr
 from modrobust.peers.cases import COM, random_states, uncertain_everywhere
-from modrobust.peers.native import Subject, measure
+from modrobust.peers.native import Array, Subject, measure
+from modrobust.robot import Robot
 
 BOXES = (COM, 0.05, 0.5, 5.0, 50.0)  # half-width of every COM [m]
 SPEEDS = (0.0, 0.1, 1.0, 10.0, 100.0)  # [rad/s]
 STATES = 300
 
 
+@dataclass(frozen=True)
+class Slowest:
+    """Of one method: the typical command's time [s], and the slowest over it by speed and box."""
+
+    typical: float
+    ratios: Array
+
+    def rows(self) -> Iterator[list[str]]:
+        """One row a speed."""
+        for speed, row in zip(SPEEDS, self.ratios, strict=True):
+            yield [f"{speed:g}", *(f"{x:.2f}" for x in row)]
+
+
+HEAD = ["[rad/s]", *(f"{com:g} m" for com in BOXES)]
+
+
+def measured(robot: Robot, method: str) -> Slowest:
+    """Times of the slowest state, for each speed and box."""
+    boxes = [uncertain_everywhere(robot, com) for com in BOXES]
+    subjects = [Subject(f"{com:g}", "command", k, method) for k, com in enumerate(BOXES)]
+    least = []
+    for speed in SPEEDS:
+        states = random_states(robot, STATES, speed=speed)
+        answer = measure(boxes, states, subjects, rounds=1, singles=30)
+        least.append([np.min(item.alone, axis=0) for item in answer.timings])
+    typical = float(np.median(least[SPEEDS.index(1.0)][0]))
+    return Slowest(typical, np.max(least, axis=2) / typical)
+
+
 def main() -> None:
     """Measure and print a table of the slowest state's time over the typical one."""
     print(machine())
     robot = mr.load_robot(sys.argv[1] if len(sys.argv) > 1 else "lwa4p-paper")
-    boxes = [uncertain_everywhere(robot, com) for com in BOXES]
     for method in ("hull", "ianea"):
-        subjects = [Subject(f"{com:g}", "command", k, method) for k, com in enumerate(BOXES)]
-        least = []
-        for speed in SPEEDS:
-            states = random_states(robot, STATES, speed=speed)
-            answer = measure(boxes, states, subjects, rounds=1, singles=30)
-            least.append([np.min(item.alone, axis=0) for item in answer.timings])
-        typical = float(np.median(least[SPEEDS.index(1.0)][0]))
-        print(f"\n{method}: typical {typical * 1e6:.3g} us; slowest state over typical")
-        print(f"{'[rad/s]':>10}" + "".join(f"{f'{com:g} m':>10}" for com in BOXES))
-        for speed, row in zip(SPEEDS, least, strict=True):
-            print(f"{speed:10g}" + "".join(f"{x.max() / typical:10.2f}" for x in row))
-        worst = max(x.max() for row in least for x in row)
-        print(f"largest: {worst / typical:.2f} ({worst * 1e6:.3g} us)")
+        found = measured(robot, method)
+        print(f"\n{method}: typical {found.typical * 1e6:.3g} us; slowest state over typical")
+        for row in (HEAD, *found.rows()):
+            print("".join(f"{cell:>10}" for cell in row))
+        largest = found.ratios.max()
+        print(f"largest: {largest:.2f} ({largest * found.typical * 1e6:.3g} us)")
 
 
 if __name__ == "__main__":
