@@ -1,4 +1,7 @@
-"""Torque bounds: IANEA* equals the transcription; the hull is the exact range and is attained."""
+"""Torque bounds: IANEA* is the transcription's and the hull the exact range, both but for rounding.
+
+Every bound encloses what real arithmetic gives, and exceeds it by no more than its stated rounding.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,16 @@ from exact_hull import exact_bounds
 from modrobust.robot import Bounded, Parameters, Robot
 from oracle import Interval, box, newton_euler
 from random_robots import point_robot, random_robot, random_state
+from rounding import (
+    TINY,
+    ULP,
+    as_long,
+    assert_encloses,
+    excess_allowed,
+    point,
+    slack,
+    torque_error,
+)
 
 METHODS = ["hull", "ianea"]
 WIDTHS = ["exact", "narrow", "wide", "mixed"]
@@ -25,46 +38,58 @@ SHAPES: list[dict[str, Any]] = [
     {"simple": False, "n": 12},
     {"simple": False, "n": 9, "tree": True},
 ]
-ROUNDING = 1e-12  # of the largest torque; the bounds enclose rounding in a later issue
-
-
-def size(*arrays: Any) -> float:
-    return max(float(np.abs(a).max()) for a in arrays)
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=str)
 @pytest.mark.parametrize("width", WIDTHS)
-def test_ianea_equals_the_transcription(shape: dict[str, Any], width: Any) -> None:
+def test_ianea_encloses_the_transcription(shape: dict[str, Any], width: Any) -> None:
     rng = np.random.default_rng(1)
     for drives in (False, True):
         robot = random_robot(rng, **shape, width=width)
         for rate in (0.0, 2.0, 30.0):
             state = random_state(rng, robot.n, rate)
-            lo, hi = mr.inverse_dynamics_bounds(robot, *state, method="ianea", drives=drives)
-            expected = newton_euler(robot, box(robot), *state, drives=drives)
-            slack = ROUNDING * size(expected.lo, expected.hi)
-            np.testing.assert_allclose(lo, expected.lo, rtol=0, atol=slack)
-            np.testing.assert_allclose(hi, expected.hi, rtol=0, atol=slack)
+            bounds = mr.inverse_dynamics_bounds(robot, *state, method="ianea", drives=drives)
+            expected = newton_euler(robot, box(robot), *as_long(state), drives=drives)
+            allowed = excess_allowed(robot, *state, method="ianea", drives=drives)
+            assert_encloses(bounds, (expected.lo, expected.hi), allowed)
+
+
+def depth(robot: Robot) -> int:
+    levels: list[int] = []
+    for parent in robot.parents:
+        levels.append(1 if parent < 0 else levels[parent] + 1)
+    return max(levels)
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=str)
+def test_rounding_in_ianea_is_that_of_the_hull_but_for_turned_boxes(shape: dict[str, Any]) -> None:
+    # a box of one radius is turned into one up to sqrt(3) wider at each link, and on the axis;
+    # 0.9 to 1.8 times were seen for one joint, so that no constant of (27) can be twice as large
+    rng = np.random.default_rng(19)
+    for _ in range(5):
+        robot = point(random_robot(rng, **shape))
+        for rate in (0.0, 2.0, 30.0):
+            state = random_state(rng, robot.n, rate)
+            lo, hi = mr.inverse_dynamics_bounds(robot, *state, method="ianea", drives=False)
+            most = 2.0 * 3.0 ** ((depth(robot) - 1) / 2) * slack(robot, *state, drives=False)
+            assert np.all((hi - lo) / 2 <= most), (hi - lo) / 2 / most
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=str)
 @pytest.mark.parametrize("width", WIDTHS)
-def test_hull_equals_the_exact_range(shape: dict[str, Any], width: Any) -> None:
+def test_hull_encloses_the_exact_range(shape: dict[str, Any], width: Any) -> None:
     rng = np.random.default_rng(2)
     long = shape.get("n", 0) > 6  # the brute force takes its time there
     for rate in (10.0,) if long else (0.0, 0.5, 10.0):
         robot = random_robot(rng, **shape, width=width)
         state = random_state(rng, robot.n, rate)
         drives = rate == 0.5
-        lo, hi = mr.inverse_dynamics_bounds(robot, *state, drives=drives)
-        exact_lo, exact_hi = exact_bounds(robot, *state, drives=drives)
-        slack = ROUNDING * size(exact_lo, exact_hi)
-        assert np.all(lo <= exact_lo + slack)
-        assert np.all(hi >= exact_hi - slack)
-        assert np.all(hi - lo <= 1.02 * (exact_hi - exact_lo) + 2 * slack)
+        bounds = mr.inverse_dynamics_bounds(robot, *state, drives=drives)
+        exact = exact_bounds(robot, *state, drives=drives)
+        assert_encloses(bounds, exact, excess_allowed(robot, *state, drives=drives))
 
 
-def test_hull_equals_the_exact_range_where_the_centre_of_mass_is_hardly_known() -> None:
+def test_hull_encloses_the_exact_range_where_the_centre_of_mass_is_hardly_known() -> None:
     # boxes of a metre: the quadratic bends so much that faces and edges hold most extrema
     rng = np.random.default_rng(18)
     for _ in range(12):
@@ -77,12 +102,8 @@ def test_hull_equals_the_exact_range_where_the_centre_of_mass_is_hardly_known() 
         )
         for rate in (0.0, 3.0, 30.0):
             state = random_state(rng, 3, rate)
-            lo, hi = mr.inverse_dynamics_bounds(robot, *state)
-            exact_lo, exact_hi = exact_bounds(robot, *state)
-            slack = ROUNDING * size(exact_lo, exact_hi)
-            assert np.all(lo <= exact_lo + slack)
-            assert np.all(hi >= exact_hi - slack)
-            assert np.all(hi - lo <= 1.02 * (exact_hi - exact_lo) + 2 * slack)
+            bounds = mr.inverse_dynamics_bounds(robot, *state)
+            assert_encloses(bounds, exact_bounds(robot, *state), excess_allowed(robot, *state))
 
 
 def random_corner(robot: Robot, rng: np.random.Generator) -> Parameters:
@@ -111,13 +132,13 @@ def test_bounds_contain_the_torque_of_sampled_and_corner_parameters(
         points += [robot.nominal, robot.lower, robot.upper]
         for rate in (0.0, 1.0, 10.0):
             state = random_state(rng, robot.n, rate)
-            torques = [mr.inverse_dynamics(robot, *state, parameters=p) for p in points]
-            slack = ROUNDING * size(*torques)
-            lowest, highest = np.min(torques, axis=0), np.max(torques, axis=0)
+            torques = np.array([mr.inverse_dynamics(robot, *state, parameters=p) for p in points])
+            errors = np.array([torque_error(robot, *state, parameters=p) for p in points])
+            lowest, highest = (torques + errors).min(axis=0), (torques - errors).max(axis=0)
             for method in METHODS:
                 lo, hi = mr.inverse_dynamics_bounds(robot, *state, method=method)
-                assert np.all(lo <= lowest + slack)
-                assert np.all(hi >= highest - slack)
+                assert np.all(lo <= lowest)
+                assert np.all(hi >= highest)
 
 
 def ascend(robot: Robot, state: Any, joint: int, sign: int, rng: np.random.Generator) -> float:
@@ -177,8 +198,9 @@ def test_an_optimiser_over_the_box_attains_the_hull(shape: dict[str, Any]) -> No
         state = (q, dq, dq_a, ddq_a)
         top = max(ascend(robot, state, joint, 1, rng) for _ in range(2))
         bottom = -max(ascend(robot, state, joint, -1, rng) for _ in range(2))
-        assert top <= hi[joint] + ROUNDING * size(lo, hi)
-        assert bottom >= lo[joint] - ROUNDING * size(lo, hi)
+        error = torque_error(robot, *state, parameters=robot.upper)[joint]
+        assert top <= hi[joint] + error
+        assert bottom >= lo[joint] - error
         assert top - bottom >= 0.98 * width
 
 
@@ -192,9 +214,9 @@ def test_hull_lies_inside_ianea(shape: dict[str, Any], width: Any) -> None:
         for function in (mr.inverse_dynamics_bounds, mr.perturbation_bounds):
             lo, hi = function(robot, *state, method="hull")
             wide_lo, wide_hi = function(robot, *state, method="ianea")
-            slack = ROUNDING * size(*mr.inverse_dynamics_bounds(robot, *state, method="ianea"))
-            assert np.all(lo >= wide_lo - slack)
-            assert np.all(hi <= wide_hi + slack)
+            allowed = excess_allowed(robot, *state)
+            assert np.all(lo >= wide_lo - allowed)
+            assert np.all(hi <= wide_hi + allowed)
             assert np.all(lo <= hi)
 
 
@@ -219,28 +241,33 @@ def test_bounds_shrink_to_the_point_value_with_the_box(method: str) -> None:
     tau = mr.inverse_dynamics(robot, *state)
     full = np.subtract(*mr.inverse_dynamics_bounds(robot, *state, method=method)[::-1])
     for factor in (1e-2, 1e-4, 1e-6):
-        lo, hi = mr.inverse_dynamics_bounds(shrink(robot, factor), *state, method=method)
-        assert np.all(lo <= tau + ROUNDING * size(tau))
-        assert np.all(hi >= tau - ROUNDING * size(tau))
+        smaller = shrink(robot, factor)
+        lo, hi = mr.inverse_dynamics_bounds(smaller, *state, method=method)
+        assert np.all(lo <= tau + torque_error(robot, *state))
+        assert np.all(hi >= tau - torque_error(robot, *state))
         # Coulomb friction keeps the difference of the smooth and the true sign, about 1e-6 here
         sign = np.abs(np.sign(state[1]) - state[1] / np.hypot(state[1], robot.coulomb_speed))
         floor = robot.upper.coulomb * sign
-        assert np.all(hi - lo <= 2 * factor * full + floor + 2 * ROUNDING * size(tau))
-    lo, hi = mr.inverse_dynamics_bounds(shrink(robot, 0.0), *state, method=method, drives=False)
-    rigid = mr.inverse_dynamics(robot, *state, drives=False)
-    np.testing.assert_allclose([lo, hi], [rigid, rigid], rtol=0, atol=1e-13 * size(tau))
+        rounding = excess_allowed(smaller, *state, method=method)
+        assert np.all(hi - lo <= 2 * factor * full + floor + 2 * rounding)
+    bounds = mr.inverse_dynamics_bounds(point(robot), *state, method=method, drives=False)
+    rigid = newton_euler(robot, robot.nominal, *as_long(state))
+    allowed = excess_allowed(point(robot), *state, method=method, drives=False)
+    assert_encloses(bounds, (rigid, rigid), allowed)
 
 
-def test_the_hull_of_an_exact_robot_has_no_width_at_all() -> None:
+def test_the_hull_of_an_exact_robot_is_its_torque_give_or_take_the_slack() -> None:
     rng = np.random.default_rng(7)
     robot = random_robot(rng, 6, width="exact", drives=False)
     state = random_state(rng, 6)
+    tau, rounding = mr.inverse_dynamics(robot, *state), slack(robot, *state)
     lo, hi = mr.inverse_dynamics_bounds(robot, *state)
-    np.testing.assert_array_equal(lo, hi)
-    np.testing.assert_array_equal(lo, mr.inverse_dynamics(robot, *state))
+    ulps = 2 * ULP * (np.abs(tau) + rounding)
+    assert np.all(np.abs([lo - (tau - rounding), hi - (tau + rounding)]) <= ulps)
+    d = robot.disturbance
     phi_lo, phi_hi = mr.perturbation_bounds(robot, *state)
-    np.testing.assert_array_equal(phi_lo, -robot.disturbance.hi)
-    np.testing.assert_array_equal(phi_hi, -robot.disturbance.lo)
+    allowed = rounding + 4 * ULP * (np.abs(tau) + np.abs([d.lo, d.hi]).max(axis=0))
+    assert_encloses((phi_lo, phi_hi), (-d.hi, -d.lo), allowed)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -255,17 +282,19 @@ def test_the_perturbation_set_is_the_bounds_less_nominal_less_disturbance(
         u0 = mr.inverse_dynamics(robot, *state)
         lo, hi = mr.inverse_dynamics_bounds(robot, *state, method=method)
         phi_lo, phi_hi = mr.perturbation_bounds(robot, *state, method=method)
-        slack = ROUNDING * size(lo, hi)
-        np.testing.assert_allclose(phi_lo, lo - u0 - robot.disturbance.hi, rtol=0, atol=slack)
-        np.testing.assert_allclose(phi_hi, hi - u0 - robot.disturbance.lo, rtol=0, atol=slack)
+        d = robot.disturbance
+        sizes = np.abs([lo, hi]).max(axis=0) + np.abs(u0) + np.abs([d.lo, d.hi]).max(axis=0)
+        atol = 4 * ULP * sizes.max()
+        np.testing.assert_allclose(phi_lo, lo - u0 - d.hi, rtol=0, atol=atol)
+        np.testing.assert_allclose(phi_hi, hi - u0 - d.lo, rtol=0, atol=atol)
 
 
 def test_a_disturbance_enters_the_perturbation_set_with_its_sign_reversed() -> None:
     robot = random_robot(np.random.default_rng(9), 2, width="exact", drives=False)
     zero, d = np.zeros(2), np.array([1.0, 2.0])
     robot = replace(robot, disturbance=Bounded(nominal=2 * d, lo=d, hi=3 * d))
-    lo, hi = mr.perturbation_bounds(robot, zero, zero, zero, zero)
-    np.testing.assert_array_equal([lo, hi], [-3 * d, -d])
+    bounds = mr.perturbation_bounds(robot, zero, zero, zero, zero)
+    assert_encloses(bounds, (-3 * d, -d), excess_allowed(robot, zero, zero, zero, zero))
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -277,9 +306,9 @@ def test_a_larger_box_gives_larger_bounds(method: str) -> None:
             state = random_state(rng, robot.n, rate)
             inner = mr.inverse_dynamics_bounds(shrink(robot, 0.6), *state, method=method)
             outer = mr.inverse_dynamics_bounds(robot, *state, method=method)
-            slack = ROUNDING * size(*outer)
-            assert np.all(outer[0] <= inner[0] + slack)
-            assert np.all(outer[1] >= inner[1] - slack)
+            allowed = excess_allowed(shrink(robot, 0.6), *state, method=method)
+            assert np.all(outer[0] <= inner[0] + allowed)
+            assert np.all(outer[1] >= inner[1] - allowed)
 
 
 def spinning_body(com: Any, com_lo: Any, com_hi: Any, mass: Any = (2.0, 2.0)) -> Robot:
@@ -295,20 +324,18 @@ def spinning_body(com: Any, com_lo: Any, com_hi: Any, mass: Any = (2.0, 2.0)) ->
 def test_the_hull_finds_an_extremum_inside_the_box() -> None:
     # tau = (I_zz + m (c_x^2 + c_y^2)) ddq: smallest on the axis, inside the box
     robot = spinning_body([0.1, 0.0, 0.2], [-0.2, -0.1, 0.2], [0.3, 0.1, 0.2])
-    lo, hi = mr.inverse_dynamics_bounds(robot, [0.7], [3.0], [-2.0], [1.0])
-    assert lo[0] == pytest.approx(0.3, rel=1e-14)
-    assert hi[0] == pytest.approx(0.3 + 2.0 * (0.09 + 0.01), rel=1e-14)
-    lo, hi = mr.inverse_dynamics_bounds(robot, [0.7], [3.0], [-2.0], [-1.0])
-    assert lo[0] == pytest.approx(-0.3 - 2.0 * (0.09 + 0.01), rel=1e-14)
-    assert hi[0] == pytest.approx(-0.3, rel=1e-14)
+    for ddq, expected in ((1.0, (0.3, 0.5)), (-1.0, (-0.5, -0.3))):
+        state = [0.7], [3.0], [-2.0], [ddq]
+        bounds = mr.inverse_dynamics_bounds(robot, *state)
+        assert_encloses(bounds, expected, excess_allowed(robot, *state))
 
 
 def test_ianea_pays_for_using_the_centre_of_mass_twice() -> None:
     # c x (m dw x c) by Definition 4: [c_x][c_x] reaches -0.06, where c_x^2 is never negative
     robot = spinning_body([0.1, 0.0, 0.2], [-0.2, -0.1, 0.2], [0.3, 0.1, 0.2])
-    lo, hi = mr.inverse_dynamics_bounds(robot, [0.7], [0.0], [0.0], [1.0], method="ianea")
-    assert lo[0] == pytest.approx(0.3 - 2.0 * (0.06 + 0.01), rel=1e-14)
-    assert hi[0] == pytest.approx(0.3 + 2.0 * (0.09 + 0.01), rel=1e-14)
+    bounds = mr.inverse_dynamics_bounds(robot, [0.7], [0.0], [0.0], [1.0], method="ianea")
+    expected = 0.3 - 2.0 * (0.06 + 0.01), 0.3 + 2.0 * (0.09 + 0.01)
+    assert_encloses(bounds, expected, 1.5e-13)
 
 
 def test_a_parameter_of_nominal_zero_has_its_absolute_width() -> None:
@@ -316,9 +343,9 @@ def test_a_parameter_of_nominal_zero_has_its_absolute_width() -> None:
     robot = spinning_body([0.0, 0.0, 0.0], [-0.02, -0.02, 0.0], [0.02, 0.02, 0.0])
     robot = replace(robot, gravity=np.array([0.0, -9.81, 0.0]))
     for method in METHODS:
-        lo, hi = mr.inverse_dynamics_bounds(robot, [0.0], [0.0], [0.0], [0.0], method=method)
-        assert hi[0] == pytest.approx(2.0 * 9.81 * 0.02, rel=1e-14)
-        assert lo[0] == pytest.approx(-2.0 * 9.81 * 0.02, rel=1e-14)
+        bounds = mr.inverse_dynamics_bounds(robot, [0.0], [0.0], [0.0], [0.0], method=method)
+        weight = 2.0 * 9.81 * 0.02
+        assert_encloses(bounds, (-weight, weight), 1e-13)
 
 
 def test_a_product_of_inertia_counts_for_both_of_its_entries() -> None:
@@ -332,8 +359,7 @@ def test_a_product_of_inertia_counts_for_both_of_its_entries() -> None:
         wide = replace(robot, upper=replace(robot.nominal, inertia=upper))
         state = random_state(rng, 3)
         lo, hi = mr.inverse_dynamics_bounds(wide, *state)
-        exact = exact_bounds(wide, *state)
-        np.testing.assert_allclose([lo, hi], np.array(exact, float), rtol=1e-11)
+        assert_encloses((lo, hi), exact_bounds(wide, *state), excess_allowed(wide, *state))
         assert np.all(hi - lo > 1e-4)
 
 
@@ -352,7 +378,7 @@ def test_bounds_follow_gravity_at_rest(method: str) -> None:
         if any(gravity):
             assert np.all(hi - lo > 1e-3)
         else:
-            np.testing.assert_array_equal([lo, hi], np.zeros((2, 3)))
+            assert_encloses((lo, hi), (0.0, 0.0), TINY)
         seen.append(np.array([lo, hi]))
     np.testing.assert_allclose(seen[1], -seen[0][::-1], rtol=1e-12)
     np.testing.assert_array_equal(seen[4], seen[0])
@@ -379,9 +405,8 @@ def test_a_vertical_slide_has_the_hull_of_its_weight() -> None:
         upper=replace(robot.nominal, mass=np.array([5.0])),
     )
     for method in METHODS:
-        lo, hi = mr.inverse_dynamics_bounds(robot, [0.2], [0.5], [0.7], [2.0], method=method)
-        assert lo[0] == pytest.approx(0.0, abs=1e-14)
-        assert hi[0] == pytest.approx(5.0 * (9.81 + 2.0), rel=1e-14)
+        bounds = mr.inverse_dynamics_bounds(robot, [0.2], [0.5], [0.7], [2.0], method=method)
+        assert_encloses(bounds, (0.0, 5.0 * (9.81 + 2.0)), 1e-11)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -406,9 +431,9 @@ def test_friction_bounds_hold_for_the_smooth_and_the_true_sign(method: str, dq: 
         for rotor in (low.rotor_inertia, high.rotor_inertia)
         for sign in signs
     ]
-    slack = ROUNDING * size(lo, hi)
-    np.testing.assert_allclose(lo - rigid_lo, np.min(corners, axis=0), rtol=0, atol=slack)
-    np.testing.assert_allclose(hi - rigid_hi, np.max(corners, axis=0), rtol=0, atol=slack)
+    atol = excess_allowed(robot, q, speed, dq_a, ddq_a, method=method)
+    assert np.all(np.abs(lo - rigid_lo - np.min(corners, axis=0)) <= atol)
+    assert np.all(np.abs(hi - rigid_hi - np.max(corners, axis=0)) <= atol)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -440,7 +465,8 @@ def test_bounds_mirror_when_gravity_and_motion_are_reversed(method: str) -> None
     lo, hi = mr.inverse_dynamics_bounds(robot, q, zero, zero, ddq_a, method=method)
     other = replace(robot, gravity=-robot.gravity)
     minus_hi, minus_lo = mr.inverse_dynamics_bounds(other, q, zero, zero, -ddq_a, method=method)
-    np.testing.assert_allclose([lo, hi], [-minus_lo, -minus_hi], rtol=0, atol=ROUNDING * size(lo))
+    atol = excess_allowed(robot, q, zero, zero, ddq_a, method=method)
+    assert np.all(np.abs([lo + minus_lo, hi + minus_hi]) <= atol)
 
 
 @pytest.mark.parametrize("method", METHODS)

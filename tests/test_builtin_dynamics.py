@@ -12,6 +12,7 @@ from modrobust.robot import Robot
 from oracle import box, mass_matrix, newton_euler
 from random_robots import random_state
 from ready_robots import freed, load_builtin
+from rounding import as_long, assert_encloses, excess_allowed, torque_error
 
 ROUNDING = 1e-12  # of the largest figure
 
@@ -30,29 +31,27 @@ def test_a_builtin_robot_agrees_with_the_oracles(robot: Robot) -> None:
     expected = G.T @ newton_euler(free, free.nominal, *full, drives=True)
     np.testing.assert_allclose(tau, expected, rtol=0, atol=ROUNDING * np.abs(expected).max())
 
-    lo, hi = mr.inverse_dynamics_bounds(robot, *state, method="ianea")
+    bounds = mr.inverse_dynamics_bounds(robot, *state, method="ianea")
+    long = as_long(state)
+    full = [robot.all_positions(long[0]), *(G @ x for x in long[1:])]
     wide = newton_euler(free, box(free), *full, drives=True)
     more, less = np.maximum(G, 0.0).T, np.minimum(G, 0.0).T
-    wide_lo, wide_hi = more @ wide.lo + less @ wide.hi, more @ wide.hi + less @ wide.lo
-    slack = ROUNDING * max(np.abs(wide_lo).max(), np.abs(wide_hi).max())
-    np.testing.assert_allclose(lo, wide_lo, rtol=0, atol=slack)
-    np.testing.assert_allclose(hi, wide_hi, rtol=0, atol=slack)
+    expected = more @ wide.lo + less @ wide.hi, more @ wide.hi + less @ wide.lo
+    assert_encloses(bounds, expected, excess_allowed(robot, *state, method="ianea"))
 
     lo, hi = mr.inverse_dynamics_bounds(robot, *state, method="hull")
-    slack = ROUNDING * max(np.abs(lo).max(), np.abs(hi).max())
     if robot.j <= 7:  # the brute force takes its time
-        exact_lo, exact_hi = exact_bounds(robot, *state, drives=True)
-        assert np.all(lo <= exact_lo + slack)
-        assert np.all(hi >= exact_hi - slack)
-        assert np.all(hi - lo <= 1.02 * (exact_hi - exact_lo) + 2 * slack)
+        exact = exact_bounds(robot, *state, drives=True)
+        assert_encloses((lo, hi), exact, excess_allowed(robot, *state))
 
     points = [robot.sample_parameters(rng) for _ in range(20)]
     points += [robot.corner_parameters(rng) for _ in range(20)]
     points += list(robot.scenarios.values())
     for point in points:
         tau = mr.inverse_dynamics(robot, *state, parameters=point)
-        assert np.all(tau >= lo - slack)
-        assert np.all(tau <= hi + slack)
+        error = torque_error(robot, *state, parameters=point)
+        assert np.all(tau >= lo - error)
+        assert np.all(tau <= hi + error)
 
 
 def test_a_builtin_robot_has_a_positive_definite_mass_matrix(robot: Robot) -> None:

@@ -72,7 +72,8 @@ def test_static_torque_counts_the_lower_end_of_the_bound_where_it_is_larger():
     down = replace(robot, gravity=np.array([0.0, 0.0, G]))
     upright, hanging = (report(r, poses=10).joints[0].static_torque for r in (robot, down))
     assert upright == pytest.approx(hanging, abs=1e-12)
-    assert upright == pytest.approx(G * (2 * 0.5 + 3 * 1.0), abs=1e-12)
+    worst = G * (2 * 0.5 + 3 * 1.0)
+    assert worst <= upright <= worst * (1 + 1e-13)  # the bound encloses its rounding
 
 
 def test_the_same_seed_finds_the_same_figures():
