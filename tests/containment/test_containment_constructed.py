@@ -184,3 +184,19 @@ def test_the_norm_of_rho_is_rounded_up() -> None:
             assert np.array_equal(out.rho, ends)
             assert sum(arb(x) ** 2 for x in ends.tolist()) <= arb(out.rho_norm) ** 2
     ctx.prec = before
+
+
+@MISSED
+def test_torques_below_the_smallest_double() -> None:
+    """The bounds hold; what is stated for NE* underflows to nothing."""
+    mass = 1e-262
+    robot = point_robot(
+        "r",
+        after=[QUARTER],
+        mass=[mass],
+        com=[[0.3, 0.2, 0.1]],
+        inertia=[mass * np.eye(3)],
+    )
+    robot = replace(robot, gravity=np.zeros(3))
+    zero = np.zeros(1)
+    check(robot, Signals(zero, zero, zero, zero, np.array([1e-190])))
