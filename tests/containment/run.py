@@ -87,7 +87,7 @@ def line(total: Outcome, goal: int, rate: float) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=PLAIN)
     parser.add_argument("--cases", type=int, default=10_000_000)
-    parser.add_argument("--state", type=Path, default=Path("containment.jsonl"))
+    parser.add_argument("--state", type=Path, default=Path("build/containment.jsonl"))
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seed", type=int, help="repeat this robot only")
     options = parser.parse_args()
@@ -96,13 +96,14 @@ def main() -> int:
         print(*outcome.violations, line(outcome, outcome.cases, 0.0), sep="\n")
         return 1 if outcome.violations else 0
 
+    options.state.parent.mkdir(parents=True, exist_ok=True)
     done, total = read_state(options.state)
     print(*total.violations, sep="\n", end="\n" if total.violations else "")
     head = {"of": fingerprint()}
     started, before, shown = time.monotonic(), total.cases, 0.0
     try:
         with options.state.open("a", encoding="utf-8") as file:
-            file.write("\n" if done else "")  # closes a line that was cut off
+            file.write("\n" if file.tell() else "")  # closes a line that was cut off
             todo = (block for block in count() if block not in done)
             if total.cases < options.cases:
                 for block, outcome in outcomes(options.jobs, todo):

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 COMMAND = Path(__file__).with_name("run.py")
@@ -32,6 +34,21 @@ def test_a_run_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert "0 violations" in second.stdout
     third = run("--cases", "1", "--state", str(state))
     assert f"{total:,} of 1 cases" in third.stdout
+
+
+def test_ctrl_c_leaves_what_is_done(tmp_path: Path) -> None:
+    state = tmp_path / "state.jsonl"
+    options = [sys.executable, str(COMMAND), "--jobs", "2", "--state", str(state)]
+    with subprocess.Popen(options, stdout=subprocess.PIPE, text=True) as process:
+        while not (state.exists() and state.read_text().count("\n")):
+            assert process.poll() is None
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        output, _ = process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert f"stopped; the same command goes on from {state}" in output
+    for line in state.read_text().splitlines():
+        assert json.loads(line)["violations"] == []
 
 
 def test_a_state_of_other_sources_is_refused(tmp_path: Path) -> None:
