@@ -3,7 +3,7 @@
 
 #define DOUBLES(type) (sizeof(type) / sizeof(double))
 
-enum { ARRAYS = 10 };
+enum { ARRAYS = 14 };
 
 size_t mr_workspace_size(const mr_model *model) {
     const size_t j = (size_t)model->j, joints = mr_joint_stride(model);
@@ -30,9 +30,10 @@ mr_workspace mr_workspace_view(const mr_model *model, double *memory) {
     view.axes = cut(&memory, joints * 9);
     view.sines = cut(&memory, joints * 2);
     view.point = cut(&memory, bodies * MR_POINT);
-    double **arrays[ARRAYS] = {&view.lo,      &view.hi,      &view.mid,     &view.slack,
-                               &view.dq_a,    &view.ddq_a,   &view.full[0], &view.full[1],
-                               &view.full[2], &view.full[3]};
+    double **arrays[ARRAYS] = {&view.lo,        &view.hi,         &view.mid,     &view.slack,
+                               &view.dq_a,      &view.ddq_a,      &view.dq_a_size,
+                               &view.ddq_a_size, &view.full[0],   &view.full[1], &view.full[2],
+                               &view.full[3],   &view.full[4],    &view.full[5]};
     for (int k = 0; k < ARRAYS; ++k) *arrays[k] = cut(&memory, joints);
     return view;
 }
@@ -76,14 +77,13 @@ static void clear_padding(const mr_model *model, const mr_workspace *ws) {
         for (size_t i = j; i < stride; ++i) ws->axes[k * stride + i] = 0.0;
 }
 
-mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const double *q,
-                        const double *dq, const double *dq_a, const double *ddq_a,
+mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const mr_state *given,
                         mr_state *state) {
     const int32_t n = model->n, j = model->j;
-    const double *given[4] = {q, dq, dq_a, ddq_a};
-    for (int v = 0; v < 4; ++v)
-        if (!mr_all_finite(n, given[v])) return MR_NOT_FINITE;
-    *state = (mr_state){q, dq, dq_a, ddq_a};
+    if (!mr_all_finite(n, given->q) || !mr_all_finite(n, given->dq) ||
+        !mr_all_finite(n, given->dq_a) || !mr_all_finite(n, given->ddq_a))
+        return MR_NOT_FINITE;
+    *state = *given;
     mr_follow(model, state, ws->full);
     if (j > n)
         for (int v = 0; v < 4; ++v)
@@ -105,30 +105,32 @@ mr_status mr_do_inverse_dynamics(const mr_model *model, const mr_parameters *par
                                  const double *q, const double *dq, const double *dq_a,
                                  const double *ddq_a, int drives, double *workspace, double *tau) {
     mr_workspace ws = mr_workspace_view(model, workspace);
+    const mr_state given = {q, dq, dq_a, ddq_a, dq_a, ddq_a};
     mr_state state;
-    const mr_status status = mr_full_state(model, &ws, q, dq, dq_a, ddq_a, &state);
+    const mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
     mr_point_of(model, parameters, ws.point);
     mr_newton_euler(model, ws.point, &state, &ws, ws.mid);
-    if (drives) mr_add_drives(model, parameters, state.dq, state.ddq_a, ws.mid);
+    if (drives) mr_add_drives(model, parameters, &state, ws.mid);
     mr_lead(model, ws.mid);
     return copy_finite(model->n, ws.mid, tau);
 }
 
 mr_status mr_torque_with_error(const mr_model *model, const mr_parameters *parameters,
-                               const mr_slack_constants *constants, const double *q,
-                               const double *dq, const double *dq_a, const double *ddq_a,
+                               const mr_slack_factors *factors,
+                               const mr_slack_constants *constants, const mr_state *given,
                                int drives, double *workspace, double *tau, double *error) {
     mr_workspace ws = mr_workspace_view(model, workspace);
     mr_state state;
-    const mr_status status = mr_full_state(model, &ws, q, dq, dq_a, ddq_a, &state);
+    const mr_status status = mr_full_state(model, &ws, given, &state);
     if (status) return status;
     mr_point_of(model, parameters, ws.point);
     mr_newton_euler(model, ws.point, &state, &ws, ws.mid);
-    if (drives) mr_add_drives(model, parameters, state.dq, state.ddq_a, ws.mid);
+    if (drives) mr_add_drives(model, parameters, &state, ws.mid);
     mr_lead(model, ws.mid);
     const mr_motion_size size = mr_size_of_motion(model, &state);
-    mr_rounding_slack(model, constants, 0.0, drives ? parameters : NULL, &state, &size, ws.slack);
+    mr_rounding_slack(model, factors, constants, drives ? parameters : NULL, &state, &size,
+                      ws.slack);
     if (!mr_all_finite(model->n, ws.mid)) return MR_NOT_FINITE;
     if (copy_finite(model->n, ws.slack, error)) return MR_NOT_FINITE;
     return copy_finite(model->n, ws.mid, tau);
@@ -138,12 +140,15 @@ mr_status mr_do_inverse_dynamics_rounding(const mr_model *model, const mr_parame
                                           const double *q, const double *dq, const double *dq_a,
                                           const double *ddq_a, int drives, double *workspace,
                                           double *tau, double *error) {
+    const mr_state given = {q, dq, dq_a, ddq_a, dq_a, ddq_a};
     /* 12 doubles a joint: the torque needs no poses */
     double *work = (double *)mr_workspace_view(model, workspace).poses;
     mr_slack_constants *constants = (mr_slack_constants *)work;
-    mr_point_slack(model, parameters, work + model->j * DOUBLES(mr_slack_constants), constants);
-    return mr_torque_with_error(model, parameters, constants, q, dq, dq_a, ddq_a, drives,
-                                workspace, tau, error);
+    mr_slack_factors factors;
+    mr_point_slack(model, parameters, work + model->j * DOUBLES(mr_slack_constants), &factors,
+                   constants);
+    return mr_torque_with_error(model, parameters, &factors, constants, &given, drives, workspace,
+                                tau, error);
 }
 
 mr_status mr_do_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *bounds,
@@ -151,8 +156,9 @@ mr_status mr_do_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *
                                         const double *dq_a, const double *ddq_a, int drives,
                                         double *workspace, double *tau_lo, double *tau_hi) {
     mr_workspace ws = mr_workspace_view(model, workspace);
+    const mr_state given = {q, dq, dq_a, ddq_a, dq_a, ddq_a};
     mr_state state;
-    const mr_status status = mr_full_state(model, &ws, q, dq, dq_a, ddq_a, &state);
+    const mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
     mr_torque_box(model, bounds, method, &state, drives, &ws);
     mr_total_bounds(model, method, &ws);
@@ -162,12 +168,11 @@ mr_status mr_do_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *
 }
 
 mr_status mr_do_perturbation_bounds(const mr_model *model, const mr_bounds *bounds,
-                                    mr_method method, const double *q, const double *dq,
-                                    const double *dq_a, const double *ddq_a, double *workspace,
+                                    mr_method method, const mr_state *given, double *workspace,
                                     double *nominal, double *phi_lo, double *phi_hi) {
     mr_workspace ws = mr_workspace_view(model, workspace);
     mr_state state;
-    const mr_status status = mr_full_state(model, &ws, q, dq, dq_a, ddq_a, &state);
+    const mr_status status = mr_full_state(model, &ws, given, &state);
     if (status) return status;
     mr_torque_box(model, bounds, method, &state, 1, &ws);
     for (int32_t i = 0; i < model->n; ++i) {
@@ -191,11 +196,12 @@ mr_status mr_do_bounds_slack(const mr_model *model, const mr_bounds *bounds, con
                              const double *dq, const double *dq_a, const double *ddq_a,
                              int drives, double *workspace, double *slack) {
     mr_workspace ws = mr_workspace_view(model, workspace);
+    const mr_state given = {q, dq, dq_a, ddq_a, dq_a, ddq_a};
     mr_state state;
-    const mr_status status = mr_full_state(model, &ws, q, dq, dq_a, ddq_a, &state);
+    const mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
     const mr_motion_size size = mr_size_of_motion(model, &state);
-    mr_rounding_slack(model, mr_hull_slack_constants(model, bounds), bounds->prepared[0],
+    mr_rounding_slack(model, mr_factors(bounds), mr_hull_slack_constants(model, bounds),
                       drives ? &bounds->upper : NULL, &state, &size, ws.slack);
     return copy_finite(model->n, ws.slack, slack);
 }

@@ -1,13 +1,17 @@
 /* Robust control law (3), (4), (7), (8) with the integrators of Section V. */
 #include "mr_internal.h"
 
-void mr_auxiliary(int32_t n, const mr_gains *gains, const double *q, const double *dq,
-                  const double *q_des, const double *dq_des, const double *ddq_des, double *dq_a,
-                  double *ddq_a) {
+mr_state mr_auxiliary(int32_t n, const mr_gains *gains, const double *q, const double *dq,
+                      const double *q_des, const double *dq_des, const double *ddq_des,
+                      double *const a[4]) {
     for (int32_t i = 0; i < n; ++i) {
-        dq_a[i] = dq_des[i] + gains->K_r[i] * (q_des[i] - q[i]);
-        ddq_a[i] = ddq_des[i] + gains->K_r[i] * (dq_des[i] - dq[i]);
+        const double K = gains->K_r[i];
+        a[0][i] = dq_des[i] + K * (q_des[i] - q[i]);
+        a[1][i] = ddq_des[i] + K * (dq_des[i] - dq[i]);
+        a[2][i] = fabs(dq_des[i]) + fabs(K) * (fabs(q_des[i]) + fabs(q[i]));
+        a[3][i] = fabs(ddq_des[i]) + fabs(K) * (fabs(dq_des[i]) + fabs(dq[i]));
     }
+    return (mr_state){q, dq, a[0], a[1], a[2], a[3]};
 }
 
 mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
@@ -23,14 +27,15 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
         return MR_NOT_FINITE;
     if (state->started && t < state->previous_time) return MR_TIME;
 
-    mr_auxiliary(n, gains, q, dq, q_des, dq_des, ddq_des, ws.dq_a, ws.ddq_a);
+    double *const auxiliary[4] = {ws.dq_a, ws.ddq_a, ws.dq_a_size, ws.ddq_a_size};
+    const mr_state given = mr_auxiliary(n, gains, q, dq, q_des, dq_des, ddq_des, auxiliary);
     for (int32_t i = 0; i < n; ++i) {
         const double error = q_des[i] - q[i];
         error_squared += error * error;
     }
     const mr_status status =
-        mr_do_perturbation_bounds(model, bounds, gains->method, q, dq, ws.dq_a, ws.ddq_a,
-                                  workspace, ws.mid, ws.lo, ws.hi);
+        mr_do_perturbation_bounds(model, bounds, gains->method, &given, workspace, ws.mid, ws.lo,
+                                  ws.hi);
     if (status) return status;
     for (int32_t i = 0; i < n; ++i) { /* (8) */
         const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]), rho = a > b ? a : b;

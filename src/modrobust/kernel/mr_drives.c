@@ -1,5 +1,6 @@
 /* Friction and reflected rotor inertia: (20) and (21). */
 #include "mr_internal.h"
+#include "mr_rounding.h"
 
 static MR_REAL smooth_sign(MR_REAL dq, double coulomb_speed) {
     const MR_REAL speed = MR_ABS(dq), zero = MR_SPLAT(0.0);
@@ -22,14 +23,14 @@ static int has_drive(const mr_parameters *upper, int32_t i) {
     return upper->viscous[i] != 0.0 || upper->coulomb[i] != 0.0 || upper->rotor_inertia[i] != 0.0;
 }
 
-void mr_add_drives(const mr_model *model, const mr_parameters *parameters, const MR_REAL *dq,
-                   const MR_REAL *ddq_a, MR_REAL *tau) {
+void mr_add_drives(const mr_model *model, const mr_parameters *parameters, const mr_state *state,
+                   MR_REAL *tau) {
     for (int32_t i = 0; i < model->j; ++i) {
         if (!has_drive(parameters, i)) continue;
-        MR_REAL drive = parameters->viscous[i] * dq[i] +
-                        reflected(model, i) * parameters->rotor_inertia[i] * ddq_a[i];
+        MR_REAL drive = parameters->viscous[i] * state->dq[i] +
+                        reflected(model, i) * parameters->rotor_inertia[i] * state->ddq_a[i];
         if (parameters->coulomb[i] != 0.0)
-            drive += parameters->coulomb[i] * smooth_sign(dq[i], model->coulomb_speed[i]);
+            drive += parameters->coulomb[i] * smooth_sign(state->dq[i], model->coulomb_speed[i]);
         tau[i] += drive;
     }
 }
@@ -46,17 +47,22 @@ static mr_interval sign_box(MR_REAL dq, double coulomb_speed) {
 
 /* Friction and rotor, less the nominal torque of each where c is given. */
 static mr_interval drive_box(const mr_model *model, const mr_bounds *bounds,
-                             const mr_parameters *c, int32_t i, MR_REAL dq, MR_REAL ddq_a) {
+                             const mr_parameters *c, int32_t i, const mr_state *state) {
+    const MR_REAL dq = state->dq[i], ddq_a = state->ddq_a[i];
+    const MR_REAL ddq_a_size = MR_ABS(state->ddq_a_size[i]);
     const mr_parameters *l = &bounds->lower, *h = &bounds->upper;
     const double viscous = c ? c->viscous[i] : 0.0, rotor = c ? c->rotor_inertia[i] : 0.0;
     const mr_interval viscous_box = {MR_SPLAT(l->viscous[i] - viscous),
                                      MR_SPLAT(h->viscous[i] - viscous)};
     const mr_interval rotor_box = {MR_SPLAT(l->rotor_inertia[i] - rotor),
                                    MR_SPLAT(h->rotor_inertia[i] - rotor)};
-    /* the square of a gear ratio that is written in decimals, times ddq_a: less than 8 u */
-    const mr_interval rotor_torque = mr_i_scale(reflected(model, i) * ddq_a, rotor_box);
+    /* the square of a gear ratio that is written in decimals, times ddq_a: less than 8 u of its
+     * terms; and what underflow may take from it */
+    const double most = h->rotor_inertia[i], gear = reflected(model, i);
+    const MR_REAL error = 0x1p-50 * (gear * most * ddq_a_size) +
+                          MR_UNDER * (1.0 + most) * (1.0 + ddq_a_size);
     mr_interval sum = mr_i_add(mr_i_scale(dq, viscous_box),
-                               mr_i_widen(rotor_torque, 0x1p-50 * mr_i_size(rotor_torque)));
+                               mr_i_widen(mr_i_scale(gear * ddq_a, rotor_box), error));
     if (h->coulomb[i] > 0.0) {
         const double speed = model->coulomb_speed[i];
         const mr_interval coulomb = {MR_SPLAT(l->coulomb[i]), MR_SPLAT(h->coulomb[i])};
@@ -69,23 +75,22 @@ static mr_interval drive_box(const mr_model *model, const mr_bounds *bounds,
     return sum;
 }
 
-void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const MR_REAL *dq,
-                       const MR_REAL *ddq_a, MR_REAL *lo, MR_REAL *hi) {
+void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const mr_state *state,
+                       MR_REAL *lo, MR_REAL *hi) {
     for (int32_t i = 0; i < model->j; ++i) {
         if (!has_drive(&bounds->upper, i)) continue;
-        const mr_interval drive = drive_box(model, bounds, NULL, i, dq[i], ddq_a[i]);
+        const mr_interval drive = drive_box(model, bounds, NULL, i, state);
         const mr_interval sum = mr_i_add((mr_interval){lo[i], hi[i]}, drive);
         lo[i] = sum.lo;
         hi[i] = sum.hi;
     }
 }
 
-void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds, const MR_REAL *dq,
-                             const MR_REAL *ddq_a, MR_REAL *lo, MR_REAL *hi) {
+void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds,
+                             const mr_state *state, MR_REAL *lo, MR_REAL *hi) {
     for (int32_t i = 0; i < model->j; ++i) {
         if (!has_drive(&bounds->upper, i)) continue;
-        const mr_interval drive =
-            drive_box(model, bounds, &bounds->nominal, i, dq[i], ddq_a[i]);
+        const mr_interval drive = drive_box(model, bounds, &bounds->nominal, i, state);
         lo[i] += drive.lo;
         hi[i] += drive.hi;
     }

@@ -6,7 +6,7 @@
 #include "mr_internal.h"
 #include "mr_quadratic.h"
 
-/* Links in the base frame; axes: per joint the axis as it turns (zero if prismatic), the axis as
+/* Links from their first joint, in base axes; axes: per joint the axis as it turns (zero if prismatic), the axis as
  * it shifts (zero if revolute), and the joint frame's origin. */
 static void forward_poses(const mr_model *model, int32_t last, const mr_workspace *ws) {
     const size_t stride = mr_joint_stride(model);
@@ -19,7 +19,7 @@ static void forward_poses(const mr_model *model, int32_t last, const mr_workspac
         if (model->parent[i] < 0) {
             for (int k = 0; k < 9; ++k) pose->R[k] = link->R[k];
             for (int k = 0; k < 3; ++k) axis[k] = MR_SPLAT(B[3 * k + 2]);
-            mr_splat(lever, point);
+            for (int k = 0; k < 3; ++k) point[k] = zero; /* ways start at the first joint */
         } else {
             const mr_pose *parent = &ws->poses[model->parent[i]];
             const double kind = mr_of_joints(model)[i].before;
@@ -53,7 +53,7 @@ typedef struct {
     MR_REAL w[3], wa[3], dw[3], L[9];
     MR_REAL e[3];   /* acceleration of the nominal COM, body axes */
     MR_REAL R[9];   /* body to base */
-    MR_REAL com[3]; /* nominal COM from the base origin, base axes */
+    MR_REAL com[3]; /* nominal COM from the first joint, base axes */
 } mr_uncertain_body;
 
 static void uncertain_body(const mr_model *model, const mr_bounds *bounds, int32_t b,

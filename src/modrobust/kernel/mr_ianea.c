@@ -47,7 +47,8 @@ static void add_body_box(const mr_model *model, const mr_bounds *bounds,
     mr_i_cross_real(wa[0], wa[1], wa[2], c, part);
     mr_i_cross_real(w[0], w[1], w[2], part, turned);
     mr_i_accumulate(turned, F);
-    widen(motion_error * (size->a + size->k * (own->reach + size->out)), F);
+    const MR_REAL way = (1.0 + own->reach) + size->out, under = size->under * way * way;
+    widen(motion_error * (size->a + size->k * way) + under, F);
     const mr_interval mass = {MR_SPLAT(lower->mass[b]), MR_SPLAT(upper->mass[b])};
     for (int k = 0; k < 3; ++k) F[k] = mr_i_mul(mass, F[k]); /* 27 */
 
@@ -58,7 +59,7 @@ static void add_body_box(const mr_model *model, const mr_bounds *bounds,
     for (int k = 0; k < 3; ++k) part[k] = mr_i_dot(w[0], w[1], w[2], rows + 3 * k);
     mr_i_cross_real(wa[0], wa[1], wa[2], part, turned);
     mr_i_accumulate(turned, N);
-    widen(motion_error * size->k * own->inertia, N);
+    widen(motion_error * size->k * own->inertia + under * (1.0 + own->inertia), N);
 
     if (mr_of_model(model)->placements != MR_IDENTITY) {
         MR_REAL R[9];

@@ -57,6 +57,11 @@ typedef struct {
     double a, a_out, k, k_out;
 } mr_slack_constants;
 
+/* Largest factors of any product: the way from the base to a COM, and mass or inertia. */
+typedef struct {
+    double reach, heavy;
+} mr_slack_factors;
+
 /* What an interval pass needs to know of one body: the farthest COM from the base, and the largest
  * inertia in its box. */
 typedef struct {
@@ -72,10 +77,14 @@ typedef struct {
     double com_uncertain, inertia_uncertain; /* 0 where there is no shift and no radius */
 } mr_body_box;
 
-/* mr_bounds.prepared: the largest reach, the nominal point, slack (j), sizes (b), and the boxes of
- * the uncertain bodies. */
+/* mr_bounds.prepared: the factors, the nominal point, slack (j), sizes (b), and the boxes of the
+ * uncertain bodies. */
+static inline const mr_slack_factors *mr_factors(const mr_bounds *bounds) {
+    return (const mr_slack_factors *)bounds->prepared;
+}
+
 static inline const double *mr_nominal_point(const mr_bounds *bounds) {
-    return bounds->prepared + 1;
+    return (const double *)(mr_factors(bounds) + 1);
 }
 
 static inline const mr_slack_constants *mr_hull_slack_constants(const mr_model *model,
@@ -118,6 +127,7 @@ typedef struct {
     MR_REAL k;        /* |dw| + |w| |wa| of every link */
     MR_REAL a;        /* of the acceleration, less k times the way from the base */
     MR_REAL out;      /* what prismatic joints add to any way */
+    MR_REAL under;    /* what underflow may change in an acceleration or a lever's moment */
     MR_REAL followed; /* sum of what the followers' angles are off, in units of u */
 } mr_motion_size;
 
@@ -127,9 +137,11 @@ typedef struct {
     MR_REAL origin[3]; /* of the link frame */
 } mr_pose;
 
-/* What a function is asked about, (j) each. */
+/* What a function is asked about, (j) each. The sizes of dq_a and ddq_a are those of the terms
+ * that they are sums of, because a sum's rounding is relative to its terms. */
 typedef struct {
     const MR_REAL *q, *dq, *dq_a, *ddq_a;
+    const MR_REAL *dq_a_size, *ddq_a_size;
 } mr_state;
 
 /* The caller's working memory, cut into arrays. */
@@ -146,8 +158,8 @@ typedef struct {
     MR_REAL *sines;     /* (2, j padded) */
     double *point;      /* (MR_POINT, b padded) */
     MR_REAL *lo, *hi, *mid, *slack; /* (j padded) results before they are known to be finite */
-    MR_REAL *dq_a, *ddq_a; /* (j) */
-    MR_REAL *full[4];   /* (j padded) the state with its followers */
+    MR_REAL *dq_a, *ddq_a, *dq_a_size, *ddq_a_size; /* (j padded) of (4) */
+    MR_REAL *full[6];   /* (j padded) the state with its followers */
 } mr_workspace;
 
 mr_workspace mr_workspace_view(const mr_model *model, double *memory);
@@ -160,11 +172,10 @@ static inline int mr_all_finite(int32_t n, const double *x) {
 }
 
 /* Copies the state and adds positions, velocities and accelerations of the followers, (15). */
-void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[4]);
+void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]);
 
 /* Checks the n entries of each vector and adds those of the followers. */
-mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const double *q,
-                        const double *dq, const double *dq_a, const double *ddq_a,
+mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const mr_state *given,
                         mr_state *state);
 
 /* Adds the followers' torques to those of their leaders, (15). */
@@ -199,13 +210,12 @@ mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state);
 /* Constants of (26) for NE* at a parameter point; work holds mr_slack_work doubles. */
 size_t mr_slack_work(const mr_model *model);
 void mr_point_slack(const mr_model *model, const mr_parameters *parameters, double *work,
-                    mr_slack_constants *constants);
+                    mr_slack_factors *factors, mr_slack_constants *constants);
 
-/* What rounding may change in the torques; reach is the largest of any body, and parameters are
- * those of the drives, or NULL. */
-void mr_rounding_slack(const mr_model *model, const mr_slack_constants *constants, double reach,
-                       const mr_parameters *parameters, const mr_state *state,
-                       const mr_motion_size *size, MR_REAL *slack);
+/* What rounding may change in the torques; parameters are those of the drives, or NULL. */
+void mr_rounding_slack(const mr_model *model, const mr_slack_factors *factors,
+                       const mr_slack_constants *constants, const mr_parameters *parameters,
+                       const mr_state *state, const mr_motion_size *size, MR_REAL *slack);
 
 /* Algorithm 1 from line 25 on. */
 void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_size *size,
@@ -215,12 +225,12 @@ void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_si
 void mr_hull_deviation(const mr_model *model, const mr_bounds *bounds, const mr_workspace *ws);
 
 /* (20) and (21): drive torque at a point, its box, and its box relative to nominal. */
-void mr_add_drives(const mr_model *model, const mr_parameters *parameters, const MR_REAL *dq,
-                   const MR_REAL *ddq_a, MR_REAL *tau);
-void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const MR_REAL *dq,
-                       const MR_REAL *ddq_a, MR_REAL *lo, MR_REAL *hi);
-void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds, const MR_REAL *dq,
-                             const MR_REAL *ddq_a, MR_REAL *lo, MR_REAL *hi);
+void mr_add_drives(const mr_model *model, const mr_parameters *parameters, const mr_state *state,
+                   MR_REAL *tau);
+void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const mr_state *state,
+                       MR_REAL *lo, MR_REAL *hi);
+void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds,
+                             const mr_state *state, MR_REAL *lo, MR_REAL *hi);
 
 /* ws->mid: nominal torque; ws->lo, ws->hi: bounds of the torque (ianea), or of its difference from
  * nominal (hull), and ws->slack what rounding may add to either end of both. */
@@ -232,14 +242,14 @@ void mr_total_bounds(const mr_model *model, mr_method method, const mr_workspace
 
 /* NE* and its rounding error (26) by constants of mr_point_slack. */
 mr_status mr_torque_with_error(const mr_model *model, const mr_parameters *parameters,
-                               const mr_slack_constants *constants, const double *q,
-                               const double *dq, const double *dq_a, const double *ddq_a,
+                               const mr_slack_factors *factors,
+                               const mr_slack_constants *constants, const mr_state *given,
                                int drives, double *workspace, double *tau, double *error);
 
-/* Auxiliary velocity and acceleration (n) of (4). */
-void mr_auxiliary(int32_t n, const mr_gains *gains, const double *q, const double *dq,
-                  const double *q_des, const double *dq_des, const double *ddq_des, double *dq_a,
-                  double *ddq_a);
+/* Auxiliary velocity and acceleration (n) of (4), and the sizes of their terms. */
+mr_state mr_auxiliary(int32_t n, const mr_gains *gains, const double *q, const double *dq,
+                      const double *q_des, const double *dq_des, const double *ddq_des,
+                      double *const a[4]);
 
 /* Composite-body mass matrix (n, n) on links whose R and p are filled in; M has (j, j) room. */
 void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
@@ -261,8 +271,7 @@ mr_status mr_do_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *
                                         const double *dq_a, const double *ddq_a, int drives,
                                         double *workspace, double *tau_lo, double *tau_hi);
 mr_status mr_do_perturbation_bounds(const mr_model *model, const mr_bounds *bounds,
-                                    mr_method method, const double *q, const double *dq,
-                                    const double *dq_a, const double *ddq_a, double *workspace,
+                                    mr_method method, const mr_state *given, double *workspace,
                                     double *nominal, double *phi_lo, double *phi_hi);
 mr_status mr_do_bounds_slack(const mr_model *model, const mr_bounds *bounds, const double *q,
                              const double *dq, const double *dq_a, const double *ddq_a,

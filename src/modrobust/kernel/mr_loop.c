@@ -2,7 +2,8 @@
 #include "mr_internal.h"
 
 /* Memory of the loop beyond that of the dynamics, in arrays of n. */
-enum { TAU, NOMINAL, V, PHI_LO, PHI_HI, RHO, W, W_ERROR, SPARE_LO, SPARE_HI, DQ_A, DDQ_A,
+enum { TAU, NOMINAL, V, PHI_LO, PHI_HI, RHO, W, W_ERROR, SPARE_LO, SPARE_HI,
+       DQ_A, DDQ_A, DQ_A_SIZE, DDQ_A_SIZE, /* as mr_auxiliary fills them */
        DRIVE, Q0, DQ0, Q1, DQ1, K_DQ, K_DDQ, SUM_DQ, SUM_DDQ, ARRAYS };
 
 size_t mr_loop_workspace_size(const mr_model *model) {
@@ -50,17 +51,15 @@ static void store(int32_t n, int32_t row, const double *from, double *to) {
     for (int32_t i = 0; i < n; ++i) to[(size_t)row * (size_t)n + (size_t)i] = from[i];
 }
 
-static mr_status log_widths(const mr_model *model, const mr_bounds *bounds, const double *q,
-                            const double *dq, double *workspace, double *const *a, int32_t row,
-                            mr_loop_log *log) {
+static mr_status log_widths(const mr_model *model, const mr_bounds *bounds, const mr_state *at,
+                            double *workspace, double *const *a, int32_t row, mr_loop_log *log) {
     static const mr_method method[2] = {MR_HULL, MR_IANEA};
     const int32_t n = model->n;
     double *const width[2] = {log->width_hull, log->width_ianea};
     double *lo = a[SPARE_LO], *hi = a[SPARE_HI];
     for (int k = 0; k < 2; ++k) {
         const mr_status status =
-            mr_do_perturbation_bounds(model, bounds, method[k], q, dq, a[DQ_A], a[DDQ_A], workspace,
-                                   a[W], lo, hi);
+            mr_do_perturbation_bounds(model, bounds, method[k], at, workspace, a[W], lo, hi);
         if (status) return status;
         for (int32_t i = 0; i < n; ++i) hi[i] -= lo[i];
         store(n, row, hi, width[k]);
@@ -68,22 +67,30 @@ static mr_status log_widths(const mr_model *model, const mr_bounds *bounds, cons
     return MR_OK;
 }
 
+/* The robot as it is, and what rounding may change in its torque. */
+typedef struct {
+    const mr_parameters *parameters;
+    const double *disturbance;
+    mr_slack_factors factors;
+    const mr_slack_constants *constants;
+} mr_truth;
+
 /* w of (6) by the true parameters, and whether it left [Phi], (24). */
-static mr_status perturbation(const mr_model *model, const mr_parameters *true_parameters,
-                              const mr_slack_constants *constants, const double *true_disturbance, const double *q, const double *dq,
+static mr_status perturbation(const mr_model *model, const mr_truth *truth, const mr_state *at,
                               double *workspace, double *const *a, mr_loop *loop) {
     const int32_t n = model->n;
     double *w = a[W];
     const double *nominal = a[NOMINAL], *error = a[W_ERROR];
     const double *lo = a[PHI_LO], *hi = a[PHI_HI];
     double largest = 0.0;
-    const mr_status status = mr_torque_with_error(model, true_parameters, constants, q, dq,
-                                                  a[DQ_A], a[DDQ_A], 1, workspace, w, a[W_ERROR]);
+    const mr_status status =
+        mr_torque_with_error(model, truth->parameters, &truth->factors, truth->constants, at, 1,
+                             workspace, w, a[W_ERROR]);
     if (status) return status;
     for (int32_t i = 0; i < n; ++i) {
-        const double rounding =
-            error[i] + 0x1p-52 * (fabs(w[i]) + fabs(nominal[i]) + fabs(true_disturbance[i]));
-        w[i] = w[i] - nominal[i] - true_disturbance[i];
+        const double d = truth->disturbance[i];
+        const double rounding = error[i] + 0x1p-52 * (fabs(w[i]) + fabs(nominal[i]) + fabs(d));
+        w[i] = w[i] - nominal[i] - d;
         const double below = lo[i] - w[i], above = w[i] - hi[i];
         const double excess = (below > above ? below : above) - rounding;
         if (excess > largest) largest = excess;
@@ -117,11 +124,11 @@ static void measure(const mr_model *model, const mr_gains *gains, double t, cons
 }
 
 mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
-                          const mr_parameters *true_parameters, const double *true_disturbance,
-                          int32_t count, const double *q_des, const double *dq_des,
-                          const double *ddq_des, int32_t log_every, double *workspace,
-                          mr_controller_state *state, mr_loop *loop, mr_loop_log *log,
-                          int32_t *logged) {
+                             const mr_parameters *true_parameters, const double *true_disturbance,
+                             int32_t count, const double *q_des, const double *dq_des,
+                             const double *ddq_des, int32_t log_every, double *workspace,
+                             mr_controller_state *state, mr_loop *loop, mr_loop_log *log,
+                             int32_t *logged) {
     const int32_t n = model->n;
     double *a[ARRAYS];
     for (int k = 0; k < ARRAYS; ++k)
@@ -129,7 +136,8 @@ mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, con
     mr_command_out out = {a[TAU], a[NOMINAL], a[V], a[PHI_LO], a[PHI_HI], a[RHO], 0.0, 0.0, 0.0};
     double *work = a[ARRAYS - 1] + n;
     mr_slack_constants *constants = (mr_slack_constants *)(work + mr_slack_work(model));
-    mr_point_slack(model, true_parameters, work, constants);
+    mr_truth truth = {true_parameters, true_disturbance, {0.0, 0.0}, constants};
+    mr_point_slack(model, true_parameters, work, &truth.factors, constants);
     *logged = 0;
     for (int32_t k = 0; k < count; ++k) {
         const double t = (double)loop->ticks * loop->dt;
@@ -138,17 +146,17 @@ mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, con
         const double *ddqd = ddq_des + row_start;
         const mr_controller_state before = *state;
         if (mr_do_command(model, bounds, gains, t, loop->q, loop->dq, qd, dqd, ddqd, workspace,
-                       state, &out))
+                          state, &out))
             return MR_DIVERGED;
-        mr_auxiliary(n, gains, loop->q, loop->dq, qd, dqd, ddqd, a[DQ_A], a[DDQ_A]);
+        const mr_state at =
+            mr_auxiliary(n, gains, loop->q, loop->dq, qd, dqd, ddqd, &a[DQ_A]);
         for (int32_t i = 0; i < n; ++i) a[DRIVE][i] = out.tau[i] + true_disturbance[i];
         const int keep = loop->ticks % log_every == 0;
-        if (keep && log_widths(model, bounds, loop->q, loop->dq, workspace, a, *logged, log)) {
+        if (keep && log_widths(model, bounds, &at, workspace, a, *logged, log)) {
             *state = before;
             return MR_DIVERGED;
         }
-        if (perturbation(model, true_parameters, constants, true_disturbance, loop->q, loop->dq,
-                         workspace, a, loop)) {
+        if (perturbation(model, &truth, &at, workspace, a, loop)) {
             *state = before;
             return MR_DIVERGED;
         }

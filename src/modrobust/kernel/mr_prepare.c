@@ -11,7 +11,7 @@ static double norm_up(int count, const double *x) {
     for (int k = 0; k < count; ++k) largest = fabs(x[k]) > largest ? fabs(x[k]) : largest;
     if (!(largest > 0.0) || isinf(largest)) return largest;
     for (int k = 0; k < count; ++k) sum += (x[k] / largest) * (x[k] / largest);
-    return largest * sqrt(sum) * (1.0 + 0x1p-48) + MR_TINY;
+    return largest * sqrt(sum) * (1.0 + 0x1p-48);
 }
 
 static double inertia_norm(const double I[6]) {
@@ -124,17 +124,18 @@ typedef struct {
     double dm, dmX, dmXX;  /* dmX holds m r too, and dmXX all else that k multiplies */
 } sums;
 
-/* Adds body b to its link's sums; without a box nothing changes. */
-static void add_body(const mr_model *model, const mr_parameters *at, const mr_bounds *bounds,
+/* Adds body b to its link's sums; without a box nothing changes. Returns how far its COM may be
+ * from the link frame. */
+static double add_body(const mr_model *model, const mr_parameters *at, const mr_bounds *bounds,
                      int32_t b, sums *s) {
-    const double m = at->mass[b];
+    const double m = fabs(at->mass[b]);
     const double x = norm_up(3, model->placement[b].p) + norm_up(3, at->com + 3 * b);
     const double X = s->reach + x;
     s->m += m;
     s->mX += m * X;
     s->mx += m * x;
     s->mXx += m * X * x + inertia_norm(at->inertia + 6 * b);
-    if (!bounds) return;
+    if (!bounds) return x;
     const mr_parameters *l = &bounds->lower, *h = &bounds->upper;
     double com[3], inertia[6];
     for (int32_t k = 0; k < 3; ++k) {
@@ -149,6 +150,7 @@ static void add_body(const mr_model *model, const mr_parameters *at, const mr_bo
     s->dm += dm;
     s->dmX += dm * X + h->mass[b] * r;
     s->dmXX += dm * X * X + h->mass[b] * r * (r + 2.0 * X) + inertia_norm(inertia);
+    return x + r;
 }
 
 /* x of all sums grows by a lever. */
@@ -160,7 +162,7 @@ static void add_way(double lever, sums *s) {
 /* Rates times sizes, (26). Errors grow with depth, are there once, and with the bodies and joints
  * that are summed; infinite where the proof ends. work holds mr_slack_work doubles. */
 static void weigh(const mr_model *model, const mr_parameters *at, const mr_bounds *bounds,
-                  double *work, mr_slack_constants *constants) {
+                  double *work, mr_slack_factors *factors, mr_slack_constants *constants) {
     const mr_joint_constants *joints = mr_of_joints(model);
     const double depth = mr_of_model(model)->depth, summed = model->b + 2.0 * model->j;
     const double defect = 4.0 * mr_of_model(model)->defect / MR_U;
@@ -170,12 +172,17 @@ static void weigh(const mr_model *model, const mr_parameters *at, const mr_bound
     if (!(change <= MR_RATE_MAX)) nominal = change = INFINITY;
     sums *all = (sums *)work;
     for (int32_t i = 0; i < model->j; ++i) {
-        const double before = model->parent[i] < 0 ? 0.0 : all[model->parent[i]].reach;
-        all[i] = (sums){before + joints[i].before_norm + joints[i].lever_norm, MR_TINY, MR_TINY,
-                        MR_TINY, MR_TINY, MR_TINY, MR_TINY, MR_TINY};
+        const int32_t parent = model->parent[i]; /* ways start at the first joint */
+        const double before = parent < 0 ? 0.0 : all[parent].reach + joints[i].before_norm;
+        all[i] = (sums){before + joints[i].lever_norm, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     }
-    for (int32_t b = 0; b < model->b; ++b)
-        if (model->body_joint[b] >= 0) add_body(model, at, bounds, b, &all[model->body_joint[b]]);
+    *factors = (mr_slack_factors){0.0, 0.0};
+    for (int32_t b = 0; b < model->b; ++b) {
+        if (model->body_joint[b] < 0) continue;
+        sums *s = &all[model->body_joint[b]];
+        const double reach = s->reach + add_body(model, at, bounds, b, s);
+        if (reach > factors->reach) factors->reach = reach;
+    }
     for (int32_t i = model->j - 1; i >= 0; --i) {
         sums *s = &all[i];
         add_way(joints[i].lever_norm, s);
@@ -186,6 +193,8 @@ static void weigh(const mr_model *model, const mr_parameters *at, const mr_bound
                                                 nominal * s->mx + mX + change * s->dmX};
         else
             constants[i] = (mr_slack_constants){m, 0.0, mX, m};
+        const double heavy = s->m + s->dm + s->mXx + s->dmXX;
+        if (heavy > factors->heavy) factors->heavy = heavy;
         if (model->parent[i] < 0) continue;
         sums *parent = &all[model->parent[i]];
         add_way(joints[i].before_norm, s);
@@ -202,25 +211,26 @@ static void weigh(const mr_model *model, const mr_parameters *at, const mr_bound
 size_t mr_slack_work(const mr_model *model) { return (size_t)model->j * DOUBLES(sums); }
 
 void mr_point_slack(const mr_model *model, const mr_parameters *parameters, double *work,
-                    mr_slack_constants *constants) {
-    weigh(model, parameters, NULL, work, constants);
+                    mr_slack_factors *factors, mr_slack_constants *constants) {
+    weigh(model, parameters, NULL, work, factors, constants);
 }
 
 size_t mr_prepared_size(const mr_model *model) {
-    return 1 + MR_POINT * mr_body_stride(model) + (size_t)model->j * DOUBLES(mr_slack_constants) +
+    return DOUBLES(mr_slack_factors) + MR_POINT * mr_body_stride(model) +
+           (size_t)model->j * DOUBLES(mr_slack_constants) +
            (size_t)model->b * (DOUBLES(mr_body_sizes) + DOUBLES(mr_body_box)) +
            mr_slack_work(model);
 }
 
 void mr_do_prepare(const mr_model *model, const mr_bounds *bounds, double *prepared) {
-    double *point = prepared + 1;
+    mr_slack_factors *factors = (mr_slack_factors *)prepared;
+    double *point = (double *)(factors + 1);
     mr_slack_constants *slack = (mr_slack_constants *)(point + MR_POINT * mr_body_stride(model));
     mr_body_sizes *sizes = (mr_body_sizes *)(slack + model->j);
     mr_body_box *boxes = (mr_body_box *)(sizes + model->b);
     sums *work = (sums *)(boxes + model->b);
-    prepared[0] = 0.0;
     mr_point_of(model, &bounds->nominal, point);
-    weigh(model, &bounds->nominal, bounds, (double *)work, slack);
+    weigh(model, &bounds->nominal, bounds, (double *)work, factors, slack);
     for (int32_t b = 0; b < model->b; ++b) {
         const int32_t i = model->body_joint[b];
         /* an entry of a box is at most the sum of its ends' sizes */
@@ -229,7 +239,6 @@ void mr_do_prepare(const mr_model *model, const mr_bounds *bounds, double *prepa
                          norm_up(3, bounds->upper.com + 3 * b);
         sizes[b].inertia = inertia_norm(bounds->lower.inertia + 6 * b) +
                            inertia_norm(bounds->upper.inertia + 6 * b);
-        if (sizes[b].reach > prepared[0]) prepared[0] = sizes[b].reach;
     }
     for (int32_t k = 0; k < bounds->uncertain_count; ++k)
         boxes[k] = box_of(bounds, bounds->uncertain[k]);

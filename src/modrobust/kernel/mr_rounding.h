@@ -28,9 +28,9 @@
 /* How much of the whole a follower's angle can make of it, at most 7 turns of rates above 112. */
 #define MR_FOLLOWED 0x1p-4
 
-/* Added to sizes: underflow is then no larger than rounding. Beyond the other limit a product
- * could overflow unseen. */
-#define MR_TINY 0x1p-960
+/* More than all that underflow takes away, 2^-1075 at a time, before the factors that follow. */
+#define MR_UNDER 0x1p-1000
+/* Beyond this a product could overflow unseen. */
 #define MR_HUGE 0x1p900
 
 #endif

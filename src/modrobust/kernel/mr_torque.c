@@ -3,18 +3,17 @@
 
 void mr_torque_box(const mr_model *model, const mr_bounds *bounds, mr_method method,
                    const mr_state *state, int drives, const mr_workspace *ws) {
-    const MR_REAL *dq = state->dq, *ddq_a = state->ddq_a;
     const mr_motion_size size = mr_size_of_motion(model, state);
     mr_newton_euler(model, mr_nominal_point(bounds), state, ws, ws->mid);
-    if (drives) mr_add_drives(model, &bounds->nominal, dq, ddq_a, ws->mid);
+    if (drives) mr_add_drives(model, &bounds->nominal, state, ws->mid);
     mr_lead(model, ws->mid);
     if (method == MR_IANEA) {
         mr_ianea(model, bounds, &size, ws);
-        if (drives) mr_add_drives_box(model, bounds, dq, ddq_a, ws->lo, ws->hi);
+        if (drives) mr_add_drives_box(model, bounds, state, ws->lo, ws->hi);
     } else {
         mr_hull_deviation(model, bounds, ws);
-        if (drives) mr_add_drives_deviation(model, bounds, dq, ddq_a, ws->lo, ws->hi);
-        mr_rounding_slack(model, mr_hull_slack_constants(model, bounds), bounds->prepared[0],
+        if (drives) mr_add_drives_deviation(model, bounds, state, ws->lo, ws->hi);
+        mr_rounding_slack(model, mr_factors(bounds), mr_hull_slack_constants(model, bounds),
                           drives ? &bounds->upper : NULL, state, &size, ws->slack);
     }
     mr_lead_box(model, ws->lo, ws->hi);
