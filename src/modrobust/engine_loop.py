@@ -19,7 +19,6 @@ Array = NDArray[np.float64]
 
 _LOGGED = ("q", "dq", "q_des", "dq_des", "ddq_des", "tau", "w", "phi_lo", "phi_hi", "rho")
 _WIDTHS = {"width_hull": _kernel.HULL, "width_ianea": _kernel.IANEA}
-_ROUNDING = 1e-10  # of the largest torque: what w may lie outside [Phi], see (24)
 
 
 class EngineLoop:
@@ -117,10 +116,11 @@ class EngineLoop:
         ddq_a = ddqd + self._K_r * (dqd - dq)
         reference = (q, dq, dq_a, ddq_a)
         widths = {name: self._width(method, reference) for name, method in _WIDTHS.items() if keep}
-        true = _kernel.inverse_dynamics(self._model, self._true, *reference, True)
+        true, error = _kernel.inverse_dynamics_rounding(self._model, self._true, *reference, True)
         w = true - nominal - self._disturbance
-        excess = max(float((lo - w).max()), float((w - hi).max()))
-        if excess > _ROUNDING * float(np.abs(tau).max()):
+        sizes = np.abs(true) + np.abs(nominal) + np.abs(self._disturbance)
+        excess = float((np.maximum(lo - w, w - hi) - (error + 2.0**-52 * sizes)).max())
+        if excess > 0.0:  # (24)
             self.violations += 1
             self.violation_max = max(self.violation_max, excess)
         self._measure(t, qd - q, tau)
