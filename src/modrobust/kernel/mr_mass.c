@@ -148,9 +148,8 @@ mr_status mr_cholesky_solve(int32_t n, double *M, double *x) {
 mr_status mr_do_forward_kinematics(const mr_model *model, const double *q, double *workspace,
                                    mr_transform *frames) {
     mr_workspace ws = mr_workspace_view(model, workspace);
-    const mr_state given = {q, q, q, q, q, q};
     mr_state state;
-    const mr_status status = mr_full_state(model, &ws, &given, &state);
+    const mr_status status = mr_full_state(model, &ws, q, q, q, q, &state);
     if (status) return status;
     mr_all_sines(model, state.q, ws.sines);
     for (int32_t i = 0; i < model->j; ++i) {
@@ -159,15 +158,21 @@ mr_status mr_do_forward_kinematics(const mr_model *model, const double *q, doubl
         mr_joint_geometry(model, i, state.q, ws.sines, link);
         mr_rotate(link->R, link->p, position);
         mr_add(model->before[i].p, position);
+        mr_pose *pose = &ws.poses[i];
         if (model->parent[i] < 0) {
-            for (int k = 0; k < 9; ++k) frames[i].R[k] = link->R[k];
-            mr_copy(position, frames[i].p);
+            for (int k = 0; k < 9; ++k) pose->R[k] = link->R[k];
+            mr_copy(position, pose->origin);
         } else {
-            const mr_transform *parent = &frames[model->parent[i]];
-            mr_multiply(parent->R, link->R, frames[i].R);
-            mr_rotate(parent->R, position, frames[i].p);
-            mr_add(parent->p, frames[i].p);
+            const mr_pose *parent = &ws.poses[model->parent[i]];
+            mr_multiply(parent->R, link->R, pose->R);
+            mr_rotate(parent->R, position, pose->origin);
+            mr_add(parent->origin, pose->origin);
         }
+        if (!mr_all_finite(9, pose->R) || !mr_all_finite(3, pose->origin)) return MR_NOT_FINITE;
+    }
+    for (int32_t i = 0; i < model->j; ++i) {
+        for (int k = 0; k < 9; ++k) frames[i].R[k] = ws.poses[i].R[k];
+        mr_copy(ws.poses[i].origin, frames[i].p);
     }
     return MR_OK;
 }
@@ -182,9 +187,8 @@ mr_status mr_do_mass_matrix(const mr_model *model, const mr_parameters *paramete
     mr_workspace ws = mr_workspace_view(model, workspace);
     double *composite = workspace + mr_workspace_size(model);
     double *result = composite + (size_t)model->j * COMPOSITE_DOUBLES;
-    const mr_state given = {q, q, q, q, q, q};
     mr_state state;
-    const mr_status status = mr_full_state(model, &ws, &given, &state);
+    const mr_status status = mr_full_state(model, &ws, q, q, q, q, &state);
     if (status) return status;
     mr_all_sines(model, state.q, ws.sines);
     for (int32_t i = 0; i < model->j; ++i)
@@ -205,12 +209,11 @@ mr_status mr_do_forward_dynamics(const mr_model *model, const mr_parameters *par
     mr_state state;
     if (!mr_all_finite(model->n, tau)) return MR_NOT_FINITE;
     for (int32_t i = 0; i < model->n; ++i) zero[i] = 0.0;
-    const mr_state given = {q, dq, dq, zero, dq, zero};
-    mr_status status = mr_full_state(model, &ws, &given, &state);
+    mr_status status = mr_full_state(model, &ws, q, dq, dq, zero, &state);
     if (status) return status;
     mr_point_of(model, parameters, ws.point);
     mr_newton_euler(model, ws.point, &state, &ws, x);
-    if (drives) mr_add_drives(model, parameters, &state, x);
+    if (drives) mr_add_drives(model, parameters, state.dq, state.ddq_a, x);
     mr_lead(model, x);
     for (int32_t i = 0; i < model->n; ++i) x[i] = tau[i] - x[i];
     mr_composite_mass(model, parameters, ws.links, drives, composite, M);
