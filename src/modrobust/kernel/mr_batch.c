@@ -46,7 +46,7 @@
 /* Memory in registers of doubles, cut as mr_workspace_view does, and four arrays for the states. */
 static size_t registers(const mr_model *model) {
     return (size_t)model->j * (COUNT(mr_link) + COUNT(mr_wrench_box) + COUNT(mr_pose)) +
-           mr_joint_stride(model) * (MR_MOTION + 9 + 2 + 4 + 4 + 4) +
+           mr_joint_stride(model) * (MR_MOTION + 9 + 2 + 4 + 6 + 4) +
            mr_body_stride(model) * MR_BODY;
 }
 
@@ -77,8 +77,8 @@ static mr_workspace view_of(const mr_model *model, double *workspace, mr_lane *g
     ws.hi = cut(&memory, joints);
     ws.mid = cut(&memory, joints);
     ws.slack = cut(&memory, joints);
-    ws.dq_a = ws.ddq_a = NULL;
-    for (int v = 0; v < 4; ++v) ws.full[v] = cut(&memory, joints);
+    ws.dq_a = ws.ddq_a = ws.dq_a_size = ws.ddq_a_size = NULL;
+    for (int v = 0; v < 6; ++v) ws.full[v] = cut(&memory, joints);
     for (int v = 0; v < 4; ++v) given[v] = cut(&memory, joints);
     return ws;
 }
@@ -124,7 +124,7 @@ static mr_status block(const mr_model *model, const mr_bounds *bounds, mr_method
     }
     for (int v = 0; v < 4; ++v)
         for (int32_t i = 0; i < n; ++i) lanes[v][i] = gather(given[v] + first * n, n, i, count);
-    mr_state state = {lanes[0], lanes[1], lanes[2], lanes[3]};
+    mr_state state = {lanes[0], lanes[1], lanes[2], lanes[3], lanes[2], lanes[3]};
     if (model->j > n) mr_follow(model, &state, ws.full);
     mr_torque_box(model, bounds, method, &state, drives, &ws);
     mr_total_bounds(model, method, &ws);

@@ -148,8 +148,9 @@ mr_status mr_cholesky_solve(int32_t n, double *M, double *x) {
 mr_status mr_do_forward_kinematics(const mr_model *model, const double *q, double *workspace,
                                    mr_transform *frames) {
     mr_workspace ws = mr_workspace_view(model, workspace);
+    const mr_state given = {q, q, q, q, q, q};
     mr_state state;
-    const mr_status status = mr_full_state(model, &ws, q, q, q, q, &state);
+    const mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
     mr_all_sines(model, state.q, ws.sines);
     for (int32_t i = 0; i < model->j; ++i) {
@@ -187,8 +188,9 @@ mr_status mr_do_mass_matrix(const mr_model *model, const mr_parameters *paramete
     mr_workspace ws = mr_workspace_view(model, workspace);
     double *composite = workspace + mr_workspace_size(model);
     double *result = composite + (size_t)model->j * COMPOSITE_DOUBLES;
+    const mr_state given = {q, q, q, q, q, q};
     mr_state state;
-    const mr_status status = mr_full_state(model, &ws, q, q, q, q, &state);
+    const mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
     mr_all_sines(model, state.q, ws.sines);
     for (int32_t i = 0; i < model->j; ++i)
@@ -209,11 +211,12 @@ mr_status mr_do_forward_dynamics(const mr_model *model, const mr_parameters *par
     mr_state state;
     if (!mr_all_finite(model->n, tau)) return MR_NOT_FINITE;
     for (int32_t i = 0; i < model->n; ++i) zero[i] = 0.0;
-    mr_status status = mr_full_state(model, &ws, q, dq, dq, zero, &state);
+    const mr_state given = {q, dq, dq, zero, dq, zero};
+    mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
     mr_point_of(model, parameters, ws.point);
     mr_newton_euler(model, ws.point, &state, &ws, x);
-    if (drives) mr_add_drives(model, parameters, state.dq, state.ddq_a, x);
+    if (drives) mr_add_drives(model, parameters, &state, x);
     mr_lead(model, x);
     for (int32_t i = 0; i < model->n; ++i) x[i] = tau[i] - x[i];
     mr_composite_mass(model, parameters, ws.links, drives, composite, M);
