@@ -13,8 +13,9 @@ from scipy.spatial.transform import Rotation
 
 import modrobust as mr
 from engine_twins import MjcfTwin, UrdfTwin
-from modrobust.describe import mjcf_text, urdf_text
+from modrobust.describe.mjcf import mjcf_text
 from modrobust.describe.orientation import quaternion, roll_pitch_yaw
+from modrobust.describe.urdf import urdf_text
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.robot import Bounded, Parameters, Robot
 from random_robots import random_robot, random_state, tied

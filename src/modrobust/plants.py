@@ -18,7 +18,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust.describe import mjcf_text, urdf_text
+from modrobust.describe.mjcf import mjcf_text
+from modrobust.describe.urdf import urdf_text
 from modrobust.errors import MissingExtraError, ValueRangeError
 from modrobust.names import did_you_mean
 from modrobust.robot import Parameters, Robot

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust import _kernel
 from modrobust.dh import DHTable
+from modrobust.dynamics import inverse_dynamics_bounds_batch
 from modrobust.robot import ModuleNode, Robot
 
 Array = NDArray[np.float64]
@@ -166,36 +166,35 @@ def _pose_notes(robot: Robot) -> list[str]:
 
 def _static_torque(robot: Robot, q: Array) -> Array:
     """Largest magnitude ``(n,)`` of both ends of the `hull` bound at rest, drives left out."""
-    points = (robot.nominal.packed, robot.lower.packed, robot.upper.packed)
-    rest = np.zeros(robot.n)
-    model, bounds, hull = robot.model, _kernel.inverse_dynamics_bounds, _kernel.HULL
-    largest = np.zeros((2, robot.n))
-    for pose in q:
-        ends = bounds(model, *points, pose, rest, rest, rest, hull, False)
-        np.maximum(largest, np.abs(ends), out=largest)
-    result: Array = largest.max(axis=0)
+    rest = np.zeros_like(q)
+    lo, hi = inverse_dynamics_bounds_batch(robot, q, rest, rest, rest, drives=False)
+    result: Array = np.maximum(-lo, hi).max(axis=0)
     return result
 
 
 def _reach(robot: Robot, q: Array) -> float:
     """Largest distance of a link or body frame's origin from the base frame's, poses ``(k, n)``."""
-    q = robot.all_positions(q)
+    motions = np.ascontiguousarray(robot.all_positions(q).T)
+    turned = np.cos(motions), np.sin(motions)
     points = {(i, (0.0, 0.0, 0.0)) for i in range(robot.j)}
     for i, T in zip(robot.body_joints, robot.placement, strict=True):
         points.add((int(i), tuple(T[:3, 3].tolist())))
-    return max(float(np.max(np.linalg.norm(_positions(robot, q, *p), axis=1))) for p in points)
+    squares = (np.sum(_positions(robot, motions, turned, *p) ** 2, axis=0) for p in points)
+    return math.sqrt(max(float(np.max(square)) for square in squares))
 
 
-def _positions(robot: Robot, q: Array, i: int, point: tuple[float, ...]) -> Array:
-    """The point of link i in the base frame, ``(k, 3)``."""
-    p = np.tile(np.array(point), (len(q), 1))
+def _positions(
+    robot: Robot, q: Array, turned: tuple[Array, Array], i: int, point: tuple[float, ...]
+) -> Array:
+    """The point of link i in the base frame, ``(3, k)``; q and its cosines and sines ``(j, k)``."""
+    p = np.repeat(np.array(point)[:, None], q.shape[1], axis=1)
     while i >= 0:
-        p = p @ robot.after[i, :3, :3].T + robot.after[i, :3, 3]
+        p = robot.after[i, :3, :3] @ p + robot.after[i, :3, 3:]
         if robot.joint_types[i] == "prismatic":
-            p[:, 2] += q[:, i]
+            p[2] += q[i]
         else:
-            c, s = np.cos(q[:, i]), np.sin(q[:, i])
-            p = np.stack([c * p[:, 0] - s * p[:, 1], s * p[:, 0] + c * p[:, 1], p[:, 2]], axis=1)
-        p = p @ robot.before[i, :3, :3].T + robot.before[i, :3, 3]
+            c, s = turned[0][i], turned[1][i]
+            p[0], p[1] = c * p[0] - s * p[1], s * p[0] + c * p[1]
+        p = robot.before[i, :3, :3] @ p + robot.before[i, :3, 3:]
         i = int(robot.parents[i])
     return p

@@ -59,7 +59,8 @@ def export(
     if urdf is None and mjcf is None:
         return
     from modrobust.cli.output import note
-    from modrobust.describe import mjcf_text, urdf_text
+    from modrobust.describe.mjcf import mjcf_text
+    from modrobust.describe.urdf import urdf_text
     from modrobust.simulation import true_robot
 
     truth = true_robot(robot, which or "nominal", seed=seed)

@@ -1,11 +1,5 @@
-"""A robot written in the formats of other engines: URDF and MJCF.
+"""A robot written in the formats of other engines: `urdf.urdf_text` and `mjcf.mjcf_text`.
 
 Both hold one point of the parameters; what they cannot hold is listed, in the file and for the
-caller.
+caller. Nothing is imported here: who shows an orientation need not read the exporters.
 """
-
-from modrobust.describe.common import Exported
-from modrobust.describe.mjcf import mjcf_text
-from modrobust.describe.urdf import urdf_text
-
-__all__ = ["Exported", "mjcf_text", "urdf_text"]
