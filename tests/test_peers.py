@@ -49,15 +49,44 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         yield folder
 
 
-def test_the_job_holds_the_very_doubles_of_the_robot_and_the_states(arm: Robot) -> None:
-    states = random_states(arm, 4)
-    job = list(native._job([arm], states, [Subject("", "command", 0, "ianea")], (7, 2)))
-    numbers = [[float.fromhex(x) for x in line.split()] for line in job if "0x" in line]
-    for array in (arm.nominal.packed, arm.upper.packed, states.q, states.ddq_des):
-        assert np.ravel(array).tolist() in numbers
-    placed = [[*T[:3, :3].ravel(), *T[:3, 3]] for T in arm.after]
-    assert np.ravel(placed).tolist() in numbers
-    assert job[-2:] == ["4 0 1", "7 2"]
+def test_the_job_holds_the_very_doubles_in_the_order_of_the_program() -> None:
+    rng = np.random.default_rng(5)
+    robot = tied(random_robot(rng, 4, tree=True), 3, rng)
+    s = random_states(robot, 2)
+    job = list(native._job([robot], s, [Subject("", "command", 0, "ianea")], (7, 2)))
+    f, c, d = robot.followers, robot.controller, robot.disturbance
+
+    def flat(T: Any) -> list[float]:
+        return np.ravel([[*t[:3, :3].ravel(), *t[:3, 3]] for t in T]).tolist()
+
+    expected: list[Any] = [
+        [robot.n, robot.j, robot.b],
+        [kind == "prismatic" for kind in robot.joint_types],
+        robot.parents,
+        flat(robot.before),
+        flat(robot.after),
+        robot.gear_ratio,
+        robot.coulomb_speed,
+        f.leaders,
+        f.multiplier,
+        f.offset,
+        robot.body_joints,
+        flat(robot.placement),
+        robot.base[:3, :3].T @ robot.gravity,
+        depth_first(robot),
+        [1],
+        *(x.packed for x in (robot.nominal, robot.lower, robot.upper)),
+        d.lo,
+        d.hi,
+        [*c.K_r, c.kappa_P, c.kappa_I, c.phi_P, c.phi_I, c.epsilon],
+        [2],
+        *(np.ravel(x) for x in (s.q, s.dq, s.q_des, s.dq_des, s.ddq_des)),
+        [1],
+        [4, 0, 1],
+        [7, 2],
+    ]
+    read = [[float.fromhex(x) if "x" in x else int(x) for x in line.split()] for line in job]
+    assert read == [np.asarray(x).tolist() for x in expected]
 
 
 def test_states_and_job_are_the_same_for_the_same_seed(arm: Robot) -> None:
