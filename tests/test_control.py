@@ -14,6 +14,7 @@ import modrobust as mr
 from modrobust.errors import ModrobustError, ShapeError, TimeOrderError, ValueRangeError
 from modrobust.robot import Bounded, Robot
 from modrobust.synthetic import synthetic_chain
+from rounding import assert_encloses, excess_allowed
 
 N = 4
 
@@ -60,15 +61,18 @@ def test_the_command_equals_the_formulas(robot: Robot, bound: str) -> None:
         dq_a = dq_des + K_r * (q_des - q)  # (4)
         ddq_a = ddq_des + K_r * (dq_des - dq)
         r = (dq_des - dq) + K_r * (q_des - q)
-        lo, hi = mr.perturbation_bounds(robot, q, dq, dq_a, ddq_a, method=bound)  # (12)
-        rho = np.maximum(np.abs(lo), np.abs(hi))  # (8)
+        phi = mr.perturbation_bounds(robot, q, dq, dq_a, ddq_a, method=bound)  # (12)
+        # the command's encloses the rounding of (4), too: that of these sizes in place of its terms
+        dq_a_size = np.abs(dq_des) + K_r * (np.abs(q_des) + np.abs(q))
+        ddq_a_size = np.abs(ddq_des) + K_r * (np.abs(dq_des) + np.abs(dq))
+        allowed = excess_allowed(robot, q, dq, dq_a_size, ddq_a_size, method=bound)
+        assert_encloses((command.phi_lo, command.phi_hi), phi, allowed)
+        rho = np.maximum(np.abs(command.phi_lo), np.abs(command.phi_hi))  # (8)
         v = (3.0 * np.linalg.norm(rho) + 0.7) * r  # (7)
         u0 = mr.inverse_dynamics(robot, q, dq, dq_a, ddq_a)
         close = {"rtol": 1e-13, "atol": 1e-13}
         np.testing.assert_allclose(command.nominal, u0, **close)
-        np.testing.assert_allclose(command.phi_lo, lo, **close)
-        np.testing.assert_allclose(command.phi_hi, hi, **close)
-        np.testing.assert_allclose(command.rho, rho, **close)
+        np.testing.assert_array_equal(command.rho, rho)
         np.testing.assert_allclose(command.v, v, **close)
         np.testing.assert_array_equal(command.tau, command.nominal + command.v)  # (3)
         assert command.rho_norm == pytest.approx(np.linalg.norm(rho), rel=1e-14)

@@ -148,9 +148,9 @@ class RobustController:
             raise ValueRangeError(f"t: {time:g} s; must be finite")
         signals = self._signals((), q=q, dq=dq, q_des=q_des, dq_des=dq_des, ddq_des=ddq_des)
         try:
-            out = self.kernel.command(time, *signals)
+            out = self.kernel.command(time, *signals.values())
         except _kernel.KernelError as problem:
-            raise status_error(problem) from None
+            raise status_error(problem, signals) from None
         tau, nominal, v, phi_lo, phi_hi, rho = out
         return Command(tau, nominal, v, phi_lo, phi_hi, rho, self.kernel.rho_norm)
 
@@ -186,14 +186,14 @@ class RobustController:
         rows = (len(instants),)
         signals = self._signals(rows, q=q, dq=dq, q_des=q_des, dq_des=dq_des, ddq_des=ddq_des)
         try:
-            return self.kernel.time_commands(instants, *signals)
+            return self.kernel.time_commands(instants, *signals.values())
         except _kernel.KernelError as problem:
-            raise status_error(problem) from None
+            raise status_error(problem, signals) from None
 
-    def _signals(self, rows: tuple[int, ...], **named: ArrayLike) -> list[Array]:
+    def _signals(self, rows: tuple[int, ...], **named: ArrayLike) -> dict[str, Array]:
         shape = (*rows, self.robot.n)
         owner = f'robot "{self.robot.name}" has {self.robot.n} joints'
-        return [as_array(name, value, shape, owner) for name, value in named.items()]
+        return {name: as_array(name, value, shape, owner) for name, value in named.items()}
 
 
 def _known(name: str, value: str, known: Mapping[str, int]) -> str:

@@ -35,13 +35,14 @@ def status_error(
     """The exception that a kernel status stands for; raise it ``from None``.
 
     Args:
-        problem: What the kernel raised.
+        problem: What the kernel raised; of a batch it has the row, too.
         given: The arguments by name, positions first, so that the message can point at one.
     """
-    status = problem.args[0]
+    status, *row = problem.args
+    inputs = {name: (row, array[tuple(row)]) for name, array in (given or {}).items()}
     if status == _kernel.STATUS_ANGLE_RANGE:
         return ValueRangeError(
-            f"{_largest(dict(list((given or {}).items())[:1])) or 'q'}: a joint angle is beyond "
+            f"{_largest(dict(list(inputs.items())[:1])) or 'q'}: a joint angle is beyond "
             f"{_kernel.ANGLE_MAX:g} rad; reduce it by whole turns"
         )
     if status == _kernel.STATUS_SINGULAR:
@@ -52,19 +53,19 @@ def status_error(
         return TimeOrderError("t went backwards since the last command; call reset() to start anew")
     if status == _kernel.STATUS_DIVERGED:
         return DivergenceError("the closed loop left the range that can be computed")
-    where = _largest(given or {})
+    where = _largest(inputs)
     largest = f"{where} is the largest input; " if where else ""
     return ValueRangeError(f"{largest}the result is not finite; the inputs are too large")
 
 
-def _largest(given: Mapping[str, NDArray[np.float64]]) -> str:
+def _largest(inputs: Mapping[str, tuple[list[int], NDArray[np.float64]]]) -> str:
     """Name, index and value of the largest entry of all, such as "dq[2] = 1e+200"."""
-    entries = [
-        (float(np.abs(array).max()), name, np.unravel_index(np.abs(array).argmax(), array.shape))
-        for name, array in given.items()
-        if array.size
-    ]
-    if not entries:
-        return ""
-    _, name, index = max(entries, key=lambda entry: entry[0])
-    return f"{name}{''.join(f'[{i}]' for i in index)} = {given[name][index]:g}"
+    found, size = "", -1.0
+    for name, (row, array) in inputs.items():
+        if array.size == 0:
+            continue
+        at = np.unravel_index(np.abs(array).argmax(), array.shape)
+        if abs(array[at]) > size:
+            size = float(abs(array[at]))
+            found = f"{name}{''.join(f'[{i}]' for i in (*row, *at))} = {array[at]:g}"
+    return found
