@@ -16,7 +16,7 @@ from written_robots import Written, random_written
 
 from modrobust.control import RobustController
 from modrobust.robot import Robot
-from random_robots import point_robot, random_robot, random_state
+from random_robots import point_robot, random_robot, random_state, tied
 
 QUARTER = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # Rx(pi/2)
 
@@ -192,3 +192,22 @@ def test_torques_below_the_smallest_double() -> None:
     robot = replace(robot, gravity=np.zeros(3))
     zero = np.zeros(1)
     check(robot, Signals(zero, zero, zero, zero, np.array([1e-190])))
+
+
+@pytest.mark.xfail(reason="the slack of drives has no part for a follower's rate that underflows")
+def test_a_followers_rate_that_underflows() -> None:
+    point = {"mass": [1e-9] * 2, "com": np.zeros((2, 3)), "inertia": [1e-9 * np.eye(3)] * 2}
+    free_robot = point_robot("rr", after=[np.eye(4)] * 2, **point)
+    robot = tied(replace(free_robot, gravity=np.zeros(3)), 1, np.random.default_rng(0))
+    followers = replace(robot.followers, multiplier=np.array([1e-5]), offset=np.zeros(1))
+    exact = replace(robot.nominal, rotor_inertia=np.array([0.0, 1.0]))
+    robot = replace(
+        robot,
+        followers=followers,
+        gear_ratio=np.array([0.0, 1e20]),
+        nominal=exact,
+        lower=exact,
+        upper=exact,
+    )
+    rate = np.array([1e-320])
+    check(robot, Signals(np.zeros(1), rate, np.zeros(1), rate, rate))
