@@ -158,7 +158,7 @@ difference: no ratio holds for every compiler.
 
 {compared(cpp)}
 
-The kernel with the flags that it ships with (`-O2`, no `-march`), Pinocchio as above:
+The kernel with the flags that it ships with (no `-march`), Pinocchio as above:
 
 {compared({next(iter(cpp)): shipped})}
 

@@ -73,7 +73,8 @@ def measure(
     job = "\n".join(_job(boxes, states, subjects, (rounds, singles)))
     done = subprocess.run([path], input=job, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise CompilerError(f"the measuring program failed: {done.stderr.strip()}")
+        said = done.stderr.strip() or f"status {done.returncode}"
+        raise CompilerError(f"the measuring program failed: {said}")
     found: dict[tuple[str, int], Array] = {}
     for line in done.stdout.splitlines():
         name, which, *values = line.split()
