@@ -73,7 +73,7 @@ def inverse_dynamics_bounds(
     r"""Bounds of `inverse_dynamics` over every parameter point inside the robot's bounds.
 
     ``hull`` is the range itself, joint by joint, (17) to (19); ``ianea`` is the paper's interval
-    arithmetic, linear in n and wider.
+    arithmetic, linear in n and wider. Both enclose their own rounding.
 
     Args:
         robot: Robot with n joints.
@@ -85,7 +85,8 @@ def inverse_dynamics_bounds(
         drives: Whether friction (20) and reflected rotor inertia (21) are included.
 
     Returns:
-        Lower and upper bounds (n,), (n,) [N m]. Equal where every parameter is exact.
+        Lower and upper bounds (n,), (n,) [N m]. As far apart as rounding may be where every
+        parameter is exact.
 
     Raises:
         ShapeError: A vector does not have n entries.
