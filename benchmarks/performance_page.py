@@ -145,7 +145,7 @@ The robot is the paper's LWA 4P, `lwa4p-paper`, 6 joints. "Own bounds" are its T
 uncertain body), "all bodies" 5 % of every mass, 5 mm of every centre of mass and 10 % of every
 inertia. Every bound has its rounding enclosed. Machines change their speed while they run: compare
 times within one table only, and look at the ratios. Medians suffer from other work on the machine,
-least times hardly.
+least times less.
 
 ## Against Pinocchio in C++
 
@@ -177,8 +177,8 @@ state's least of 10 calls, the largest over 1,000 states. {gcc.remarks[0].capita
 
 Time of the slowest of {worst_case.STATES} states over the typical one, for boxes of the centres of
 mass of growing half-width (at last far wider than any lever, so that hardly a quadratic is
-monotonic) and growing velocities. What branches save on an easy state they may cost on a hard one,
-and no more: the table is flat where all work is done.
+monotonic) and growing velocities. Branches save work on easy states; found by sampling, so the true
+worst case may be a little slower.
 
 `hull`, typical {us(slow["hull"].typical)} us:
 
