@@ -13,6 +13,7 @@ import pytest
 import modrobust as mr
 from exact_frames import BITS, chain_frames, largest_excess, read, urdf_frames
 from modrobust.catalogue import builtin_robots, data_directory
+from modrobust.errors import DescriptionError
 from modrobust.formats.nodes import Where
 from modrobust.formats.overlay import UrdfSource
 from modrobust.urdf_files import find_file
@@ -175,6 +176,16 @@ def test_a_chain_of_mimics_is_multiplied_out_before_it_is_rounded(tmp_path: Path
     followers = mr.load_robot(path).followers
     assert followers.multiplier.tolist() == [0.1, 0.03]  # in doubles 0.1 * 0.3 is another
     assert followers.offset.tolist() == [0.7, 0.31]
+
+
+def test_a_factor_beyond_the_doubles_is_refused(tmp_path: Path) -> None:
+    inside = '<origin xyz="0 0 0.3"/><axis xyz="0 0 1"/>' + LIMIT
+    follow = inside + '<mimic joint="j{}" multiplier="1e99"/>'
+    arms = [joint(f"j{k}", "l0", f"l{k}", inside=follow.format(k - 1)) for k in range(2, 6)]
+    links = [link(f"l{k}") for k in range(6)]
+    path = written(tmp_path, robot(*links, joint("j1", "l0", "l1", inside=inside), *arms))
+    with pytest.raises(DescriptionError, match="joint j5, mimic: out of range with the joints"):
+        mr.load_robot(path)
 
 
 def test_rotations_are_orthonormal_to_rounding_after_many_spans(tmp_path: Path) -> None:

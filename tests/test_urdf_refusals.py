@@ -73,6 +73,10 @@ LINKS = {
         INERTIAL.replace('"2"', '"1e200"'),
         ':4: link arm, value: "1e200" is out of range; correct the exponent',
     ),
+    "an angle that no robot has": (
+        INERTIAL.replace('xyz="0 0 0.1"', 'rpy="0 0 -2e5"'),
+        ":4: link arm, rpy: -200000 rad; an angle lies within 100000 rad; correct it",
+    ),
     "two inertials": (
         INERTIAL * 2,
         ":4: link arm: a second <inertial> (first on line 4); there is one; remove it",

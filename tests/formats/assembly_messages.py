@@ -75,6 +75,12 @@ ASSEMBLY_CASES = [
         ),
     ),
     (
+        "a mount of many turns",
+        "mount: 90 deg",
+        "mount: 1e300",
+        "r.yaml:7: chain[1].mount: 1e+300 rad; an angle lies within 100000 rad; correct it",
+    ),
+    (
         "a mount in metres",
         "mount: 90 deg",
         "mount: 90 mm",

@@ -174,6 +174,15 @@ MODULE_CASES = [
         ),
     ),
     (
+        "an angle that no robot has",
+        "alpha: pi/2",
+        "alpha: 1e7 deg",
+        (
+            "arm.yaml:17: body link, span.dh.alpha: 174533 rad; an angle lies within 100000 rad; "
+            "correct it"
+        ),
+    ),
+    (
         "a length for an angle",
         "alpha: pi/2",
         "alpha: 1 m",
