@@ -124,7 +124,7 @@ static mr_status block(const mr_model *model, const mr_bounds *bounds, mr_method
     }
     for (int v = 0; v < 4; ++v)
         for (int32_t i = 0; i < n; ++i) lanes[v][i] = gather(given[v] + first * n, n, i, count);
-    mr_state state = {lanes[0], lanes[1], lanes[2], lanes[3], lanes[2], lanes[3]};
+    mr_state state = {lanes[0], lanes[1], lanes[2], lanes[3], NULL, NULL};
     if (model->j > n) mr_follow(model, &state, ws.full);
     mr_torque_box(model, bounds, method, &state, drives, &ws);
     mr_total_bounds(model, method, &ws);

@@ -105,7 +105,7 @@ mr_status mr_do_inverse_dynamics(const mr_model *model, const mr_parameters *par
                                  const double *q, const double *dq, const double *dq_a,
                                  const double *ddq_a, int drives, double *workspace, double *tau) {
     mr_workspace ws = mr_workspace_view(model, workspace);
-    const mr_state given = {q, dq, dq_a, ddq_a, dq_a, ddq_a};
+    const mr_state given = {q, dq, dq_a, ddq_a, NULL, NULL};
     mr_state state;
     const mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
@@ -128,7 +128,7 @@ mr_status mr_torque_with_error(const mr_model *model, const mr_parameters *param
     mr_newton_euler(model, ws.point, &state, &ws, ws.mid);
     if (drives) mr_add_drives(model, parameters, &state, ws.mid);
     mr_lead(model, ws.mid);
-    const mr_motion_size size = mr_size_of_motion(model, &state);
+    const mr_motion_size size = mr_size_of_motion(model, &state, &ws);
     mr_rounding_slack(model, factors, constants, drives ? parameters : NULL, &state, &size,
                       ws.slack);
     if (!mr_all_finite(model->n, ws.mid)) return MR_NOT_FINITE;
@@ -140,7 +140,7 @@ mr_status mr_do_inverse_dynamics_rounding(const mr_model *model, const mr_parame
                                           const double *q, const double *dq, const double *dq_a,
                                           const double *ddq_a, int drives, double *workspace,
                                           double *tau, double *error) {
-    const mr_state given = {q, dq, dq_a, ddq_a, dq_a, ddq_a};
+    const mr_state given = {q, dq, dq_a, ddq_a, NULL, NULL};
     /* 12 doubles a joint: the torque needs no poses */
     double *work = (double *)mr_workspace_view(model, workspace).poses;
     mr_slack_constants *constants = (mr_slack_constants *)work;
@@ -156,7 +156,7 @@ mr_status mr_do_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *
                                         const double *dq_a, const double *ddq_a, int drives,
                                         double *workspace, double *tau_lo, double *tau_hi) {
     mr_workspace ws = mr_workspace_view(model, workspace);
-    const mr_state given = {q, dq, dq_a, ddq_a, dq_a, ddq_a};
+    const mr_state given = {q, dq, dq_a, ddq_a, NULL, NULL};
     mr_state state;
     const mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
@@ -196,11 +196,12 @@ mr_status mr_do_bounds_slack(const mr_model *model, const mr_bounds *bounds, con
                              const double *dq, const double *dq_a, const double *ddq_a,
                              int drives, double *workspace, double *slack) {
     mr_workspace ws = mr_workspace_view(model, workspace);
-    const mr_state given = {q, dq, dq_a, ddq_a, dq_a, ddq_a};
+    const mr_state given = {q, dq, dq_a, ddq_a, NULL, NULL};
     mr_state state;
     const mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
-    const mr_motion_size size = mr_size_of_motion(model, &state);
+    mr_forward_recursion(model, &state, &ws);
+    const mr_motion_size size = mr_size_of_motion(model, &state, &ws);
     mr_rounding_slack(model, mr_factors(bounds), mr_hull_slack_constants(model, bounds),
                       drives ? &bounds->upper : NULL, &state, &size, ws.slack);
     return copy_finite(model->n, ws.slack, slack);

@@ -5,11 +5,12 @@ mr_state mr_auxiliary(int32_t n, const mr_gains *gains, const double *q, const d
                       const double *q_des, const double *dq_des, const double *ddq_des,
                       double *const a[4]) {
     for (int32_t i = 0; i < n; ++i) {
-        const double K = gains->K_r[i];
-        a[0][i] = dq_des[i] + K * (q_des[i] - q[i]);
-        a[1][i] = ddq_des[i] + K * (dq_des[i] - dq[i]);
-        a[2][i] = fabs(dq_des[i]) + fabs(K) * (fabs(q_des[i]) + fabs(q[i]));
-        a[3][i] = fabs(ddq_des[i]) + fabs(K) * (fabs(dq_des[i]) + fabs(dq[i]));
+        const double q_term = gains->K_r[i] * (q_des[i] - q[i]);
+        const double dq_term = gains->K_r[i] * (dq_des[i] - dq[i]);
+        a[0][i] = dq_des[i] + q_term;
+        a[1][i] = ddq_des[i] + dq_term;
+        a[2][i] = fabs(dq_des[i]) + fabs(q_term);
+        a[3][i] = fabs(ddq_des[i]) + fabs(dq_term);
     }
     return (mr_state){q, dq, a[0], a[1], a[2], a[3]};
 }

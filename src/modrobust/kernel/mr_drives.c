@@ -49,7 +49,7 @@ static mr_interval sign_box(MR_REAL dq, double coulomb_speed) {
 static mr_interval drive_box(const mr_model *model, const mr_bounds *bounds,
                              const mr_parameters *c, int32_t i, const mr_state *state) {
     const MR_REAL dq = state->dq[i], ddq_a = state->ddq_a[i];
-    const MR_REAL ddq_a_size = MR_ABS(state->ddq_a_size[i]);
+    const MR_REAL ddq_a_size = mr_acceleration_size(state, i);
     const mr_parameters *l = &bounds->lower, *h = &bounds->upper;
     const double viscous = c ? c->viscous[i] : 0.0, rotor = c ? c->rotor_inertia[i] : 0.0;
     const mr_interval viscous_box = {MR_SPLAT(l->viscous[i] - viscous),
@@ -60,7 +60,8 @@ static mr_interval drive_box(const mr_model *model, const mr_bounds *bounds,
      * terms; and what underflow may take from it */
     const double most = h->rotor_inertia[i], gear = reflected(model, i);
     const MR_REAL error = 0x1p-50 * (gear * most * ddq_a_size) +
-                          MR_UNDER * (1.0 + most) * (1.0 + ddq_a_size);
+                          MR_UNDER * ((1.0 + most) * (1.0 + gear) + h->viscous[i]) *
+                              (1.0 + ddq_a_size);
     mr_interval sum = mr_i_add(mr_i_scale(dq, viscous_box),
                                mr_i_widen(mr_i_scale(gear * ddq_a, rotor_box), error));
     if (h->coulomb[i] > 0.0) {

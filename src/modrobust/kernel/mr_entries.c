@@ -55,7 +55,7 @@ mr_status mr_perturbation_bounds(const mr_model *model, const mr_bounds *bounds,
                                  const double *q, const double *dq, const double *dq_a,
                                  const double *ddq_a, double *workspace, double *nominal,
                                  double *phi_lo, double *phi_hi) {
-    const mr_state given = {q, dq, dq_a, ddq_a, dq_a, ddq_a};
+    const mr_state given = {q, dq, dq_a, ddq_a, NULL, NULL};
     IN_OUR_ENVIRONMENT(mr_do_perturbation_bounds(model, bounds, method, &given, workspace, nominal,
                                                  phi_lo, phi_hi));
 }

@@ -164,7 +164,7 @@ static mr_lane_mask carrying(const mr_model *model, int32_t first, int32_t last,
     int64_t on[MR_LANES];
     *any = 0;
     for (int32_t l = 0; l < MR_LANES; ++l) {
-        const int32_t i = MR_BLOCK > 1 ? first + l : first; /* the lanes of a batch are states */
+        const int32_t i = first + (MR_BLOCK > 1 ? l : 0); /* the lanes of a batch are states */
         const int one = i <= last && carries(model, i, last);
         on[l] = one ? -1 : 0;
         *any |= one;

@@ -124,8 +124,8 @@ typedef struct {
 
 /* Upper bounds of Euclidean norms at one state, (25). */
 typedef struct {
-    MR_REAL k;        /* |dw| + |w| |wa| of every link */
-    MR_REAL a;        /* of the acceleration, less k times the way from the base */
+    MR_REAL k;        /* |dw| + |w| |wa| of every link, and what their errors grow from */
+    MR_REAL a;        /* the acceleration of every link's origin, likewise */
     MR_REAL out;      /* what prismatic joints add to any way */
     MR_REAL under;    /* what underflow may change in an acceleration or a lever's moment */
     MR_REAL followed; /* sum of what the followers' angles are off, in units of u */
@@ -137,12 +137,16 @@ typedef struct {
     MR_REAL origin[3]; /* of the link frame */
 } mr_pose;
 
-/* What a function is asked about, (j) each. The sizes of dq_a and ddq_a are those of the terms
- * that they are sums of, because a sum's rounding is relative to its terms. */
+/* What a function is asked about, (j) each. Where dq_a and ddq_a were computed, the sizes are those
+ * of the terms that they are sums of, because a sum's rounding is relative to its terms. */
 typedef struct {
     const MR_REAL *q, *dq, *dq_a, *ddq_a;
-    const MR_REAL *dq_a_size, *ddq_a_size;
+    const MR_REAL *dq_a_size, *ddq_a_size; /* NULL where dq_a and ddq_a are given */
 } mr_state;
+
+static inline MR_REAL mr_acceleration_size(const mr_state *state, int32_t i) {
+    return state->ddq_a_size ? state->ddq_a_size[i] : MR_ABS(state->ddq_a[i]);
+}
 
 /* The caller's working memory, cut into arrays. */
 typedef struct {
@@ -204,8 +208,9 @@ void mr_backward_recursion(const mr_model *model, const mr_workspace *ws, MR_REA
 void mr_newton_euler(const mr_model *model, const double *point, const mr_state *state,
                      const mr_workspace *ws, MR_REAL *tau);
 
-/* Sizes (25) of the motion at a state. */
-mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state);
+/* Sizes (25) of the motion that the forward recursion has left. */
+mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state,
+                                 const mr_workspace *ws);
 
 /* Constants of (26) for NE* at a parameter point; work holds mr_slack_work doubles. */
 size_t mr_slack_work(const mr_model *model);

@@ -6,13 +6,16 @@ void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]) {
     const MR_REAL *given[6] = {state->q,     state->dq,        state->dq_a,
                                state->ddq_a, state->dq_a_size, state->ddq_a_size};
     for (int v = 0; v < 6; ++v) {
+        if (!given[v]) continue;
         for (int32_t i = 0; i < n; ++i) full[v][i] = given[v][i];
         for (int32_t k = 0; k < model->j - n; ++k) {
-            full[v][n + k] = model->multiplier[k] * given[v][model->leader[k]];
+            const double factor = v < 4 ? model->multiplier[k] : fabs(model->multiplier[k]);
+            full[v][n + k] = factor * given[v][model->leader[k]];
             if (v == 0) full[v][n + k] += model->offset[k];
         }
     }
-    *state = (mr_state){full[0], full[1], full[2], full[3], full[4], full[5]};
+    *state = (mr_state){full[0], full[1], full[2], full[3], given[4] ? full[4] : NULL,
+                        given[5] ? full[5] : NULL};
 }
 
 void mr_lead(const mr_model *model, MR_REAL *tau) {

@@ -148,7 +148,7 @@ mr_status mr_cholesky_solve(int32_t n, double *M, double *x) {
 mr_status mr_do_forward_kinematics(const mr_model *model, const double *q, double *workspace,
                                    mr_transform *frames) {
     mr_workspace ws = mr_workspace_view(model, workspace);
-    const mr_state given = {q, q, q, q, q, q};
+    const mr_state given = {q, q, q, q, NULL, NULL};
     mr_state state;
     const mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
@@ -188,7 +188,7 @@ mr_status mr_do_mass_matrix(const mr_model *model, const mr_parameters *paramete
     mr_workspace ws = mr_workspace_view(model, workspace);
     double *composite = workspace + mr_workspace_size(model);
     double *result = composite + (size_t)model->j * COMPOSITE_DOUBLES;
-    const mr_state given = {q, q, q, q, q, q};
+    const mr_state given = {q, q, q, q, NULL, NULL};
     mr_state state;
     const mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
@@ -211,7 +211,7 @@ mr_status mr_do_forward_dynamics(const mr_model *model, const mr_parameters *par
     mr_state state;
     if (!mr_all_finite(model->n, tau)) return MR_NOT_FINITE;
     for (int32_t i = 0; i < model->n; ++i) zero[i] = 0.0;
-    const mr_state given = {q, dq, dq, zero, dq, zero};
+    const mr_state given = {q, dq, dq, zero, NULL, NULL};
     mr_status status = mr_full_state(model, &ws, &given, &state);
     if (status) return status;
     mr_point_of(model, parameters, ws.point);

@@ -12,16 +12,11 @@ typedef struct {
     mr_lane Q[6]; /* xx xy xz yy yz zz */
 } mr_quadratic;
 
-/* x' Q x */
-static inline mr_lane mr_square(const mr_quadratic *f, const mr_lane x[3]) {
+static inline mr_lane mr_quadratic_value(const mr_quadratic *f, const mr_lane x[3]) {
     const mr_lane *Q = f->Q;
     const mr_lane pure = Q[0] * x[0] * x[0] + Q[3] * x[1] * x[1] + Q[5] * x[2] * x[2];
     const mr_lane mixed = Q[1] * x[0] * x[1] + Q[2] * x[0] * x[2] + Q[4] * x[1] * x[2];
-    return pure + 2.0 * mixed;
-}
-
-static inline mr_lane mr_quadratic_value(const mr_quadratic *f, const mr_lane x[3]) {
-    return mr_dot(f->g, x) + mr_square(f, x);
+    return mr_dot(f->g, x) + (pure + 2.0 * mixed);
 }
 
 /* Index of Q's entry for rows j and k. */
@@ -33,21 +28,6 @@ static inline mr_lane mr_best_on_edge(mr_lane h, mr_lane q, mr_lane r) {
     const mr_lane peak = h / (-2.0 * q); /* not a number, or infinite, where q is zero */
     const mr_lane_mask inside = (q < 0.0) & (MR_LANE_ABS(peak) <= r);
     return MR_LANE_SELECT(inside, peak, end);
-}
-
-/* Largest value where the function is monotonic in every direction but at most one. */
-static inline mr_lane mr_max_one_open(const mr_quadratic *f, const mr_lane r[3],
-                                      const mr_lane_mask open[3]) {
-    mr_lane x[3];
-    for (int k = 0; k < 3; ++k) x[k] = MR_LANE_COPYSIGN(r[k], f->g[k]);
-    for (int k = 0; k < 3; ++k) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        const mr_lane h =
-            f->g[k] + 2.0 * (f->Q[MR_ROW[k][i]] * x[i] + f->Q[MR_ROW[k][j]] * x[j]);
-        const mr_lane best = mr_best_on_edge(h, f->Q[MR_ROW[k][k]], r[k]);
-        x[k] = MR_LANE_SELECT(open[k], best, x[k]);
-    }
-    return mr_quadratic_value(f, x);
 }
 
 #define MR_CLAMP(t, r) MR_LANE_SELECT((t) > (r), r, MR_LANE_SELECT((t) < -(r), -(r), t))
@@ -118,23 +98,46 @@ static inline void mr_quadratic_range(const mr_quadratic *f, const double radius
         open[k] = (MR_LANE_ABS(g[k]) < 2.0 * bend[k]) & active;
         x[k] = MR_LANE_COPYSIGN(r[k], g[k]);
     }
-    /* the largest value at x and the smallest at -x: slope changes sign, the square does not */
-    const mr_lane slope = mr_dot(g, x), square = mr_square(f, x);
-    *hi = slope + square;
-    *lo = square - slope;
+    /* Monotonic: the largest value at x and the smallest at -x, where the slopes change their sign
+     * and the products do not. */
+    const mr_lane slope[3] = {g[0] * x[0], g[1] * x[1], g[2] * x[2]};
+    const mr_lane pure[3] = {Q[0] * x[0] * x[0], Q[3] * x[1] * x[1], Q[5] * x[2] * x[2]};
+    const mr_lane mixed[3] = {2.0 * (Q[4] * x[1] * x[2]), 2.0 * (Q[2] * x[0] * x[2]),
+                              2.0 * (Q[1] * x[0] * x[1])}; /* without x, y, z */
+    const mr_lane slopes = slope[0] + slope[1] + slope[2];
+    const mr_lane square = (pure[0] + pure[1] + pure[2]) + (mixed[0] + mixed[1] + mixed[2]);
+    *hi = square + slopes;
+    *lo = square - slopes;
     const mr_lane_mask some = open[0] | open[1] | open[2];
     if (!mr_lane_any(some)) return;
+
+    /* Open in one direction t: the others stay at their ends, and along t the function is
+     * h t + q t^2 with h = s + c at the upper end and h = s - c at the lower one. */
+#define MR_OF_OPEN(a, b, c) MR_LANE_SELECT(open[0], a, MR_LANE_SELECT(open[1], b, c))
+    const mr_lane rest = MR_OF_OPEN(slope[1] + slope[2], slope[0] + slope[2], slope[0] + slope[1]);
+    const mr_lane curved = MR_OF_OPEN(pure[1] + pure[2] + mixed[0], pure[0] + pure[2] + mixed[1],
+                                      pure[0] + pure[1] + mixed[2]);
+    const mr_lane c = 2.0 * MR_OF_OPEN(Q[1] * x[1] + Q[2] * x[2], Q[1] * x[0] + Q[4] * x[2],
+                                       Q[2] * x[0] + Q[4] * x[1]);
+    const mr_lane s = MR_OF_OPEN(g[0], g[1], g[2]), q = MR_OF_OPEN(Q[0], Q[3], Q[5]);
+    const mr_lane end = MR_OF_OPEN(r[0], r[1], r[2]), above = s + c, below = s - c;
+    const mr_lane peak_slope = MR_LANE_SELECT(q < 0.0, above, below); /* q tells which has a peak */
+    const mr_lane peak = peak_slope / (-2.0 * q), peak_value = 0.5 * (peak_slope * peak);
+    const mr_lane_mask inside = MR_LANE_ABS(peak) <= end;
+    const mr_lane at_end = q * end * end;
+    const mr_lane most = MR_LANE_SELECT((q < 0.0) & inside, peak_value,
+                                        at_end + MR_LANE_ABS(above) * end);
+    const mr_lane least = MR_LANE_SELECT((q > 0.0) & inside, peak_value,
+                                         at_end - MR_LANE_ABS(below) * end);
+    *hi = MR_LANE_SELECT(some, (curved + rest) + most, *hi);
+    *lo = MR_LANE_SELECT(some, (curved - rest) + least, *lo);
+    const mr_lane_mask several =
+        (open[0] & open[1]) | (open[0] & open[2]) | (open[1] & open[2]);
+    if (!mr_lane_any(several)) return;
 
     mr_quadratic negative;
     for (int k = 0; k < 3; ++k) negative.g[k] = -g[k];
     for (int k = 0; k < 6; ++k) negative.Q[k] = -Q[k];
-    const mr_lane above = mr_max_one_open(f, r, open);
-    const mr_lane below = -mr_max_one_open(&negative, r, open);
-    *hi = MR_LANE_SELECT(some, above, *hi);
-    *lo = MR_LANE_SELECT(some, below, *lo);
-    const mr_lane_mask several =
-        (open[0] & open[1]) | (open[0] & open[2]) | (open[1] & open[2]);
-    if (!mr_lane_any(several)) return;
     const mr_lane highest = mr_max_by_faces(f, r), lowest = -mr_max_by_faces(&negative, r);
     *hi = MR_LANE_SELECT(several, highest, *hi);
     *lo = MR_LANE_SELECT(several, lowest, *lo);

@@ -1,26 +1,66 @@
-/* A-priori bound of the rounding error: sizes (25) of the motion by the triangle inequality, times
- * constants of the robot that mr_prepare.c makes, (26). Proof: docs/guarantees.md. */
+/* Bound of the rounding error: sizes (25) of the computed motion, times constants of the robot that
+ * mr_prepare.c makes, (26). Proof: docs/guarantees.md. */
 #include "mr_internal.h"
 #include "mr_rounding.h"
 
-mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state) {
+/* Over the joints of a register; a batch has one joint in it. */
+static MR_REAL largest_lane(mr_lane x) {
+#ifdef MR_BATCH
+    return x;
+#else
+    double lane[MR_LANES], largest = 0.0;
+    mr_lane_store(x, lane);
+    for (int k = 0; k < MR_LANES; ++k) largest = MR_MAX(lane[k], largest);
+    return largest;
+#endif
+}
+
+/* Largest Euclidean norm of a vector of the motion, over all links; the largest sum of its entries'
+ * sizes where the squares are out of range. */
+static MR_REAL largest_norm(const mr_model *model, const MR_REAL *vector) {
+    const size_t stride = mr_joint_stride(model);
+    mr_lane square = MR_LANE_SPLAT(0.0), sum = square;
+    for (int32_t i = 0; i < model->j; i += MR_BLOCK) {
+        const mr_lane v[3] = {MR_TAKE(vector, i), MR_TAKE(vector + stride, i),
+                              MR_TAKE(vector + 2 * stride, i)};
+        const mr_lane v_square = mr_dot(v, v);
+        const mr_lane v_sum = MR_LANE_ABS(v[0]) + MR_LANE_ABS(v[1]) + MR_LANE_ABS(v[2]);
+        square = MR_LANE_SELECT(v_square > square, v_square, square);
+        sum = MR_LANE_SELECT(v_sum > sum, v_sum, sum);
+    }
+    const MR_REAL squares = largest_lane(square), sums = largest_lane(sum);
+    const MR_REAL norm = MR_SQRT(squares);
+    return MR_SELECT((squares > 0x1p-900) & (squares < 0x1p900), norm, sums);
+}
+
+mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state,
+                                 const mr_workspace *ws) {
+    const size_t stride = mr_joint_stride(model);
     const double *g = model->gravity;
     const MR_REAL zero = MR_SPLAT(0.0);
-    MR_REAL w = zero, wa = zero, dw = zero, v = zero, va = zero, dv = zero;
+    MR_REAL w = largest_norm(model, ws->motion + MR_W * stride);
+    MR_REAL wa = largest_norm(model, ws->motion + MR_WA * stride);
+    MR_REAL dw = largest_norm(model, ws->motion + MR_DW * stride);
+    MR_REAL a = largest_norm(model, ws->motion + MR_A * stride);
+    MR_REAL turned = zero, v = zero, va = zero, dv = zero;
     mr_motion_size size;
     size.followed = size.out = zero;
     for (int32_t i = 0; i < model->j; ++i) {
-        const MR_REAL dq = MR_ABS(state->dq[i]), dq_a = MR_ABS(state->dq_a_size[i]);
-        const MR_REAL ddq_a = MR_ABS(state->ddq_a_size[i]);
         if (model->joint_type[i] == MR_REVOLUTE) {
-            w += dq;
-            wa += dq_a;
-            dw += ddq_a;
+            turned += MR_ABS(state->dq[i]);
         } else {
-            v += dq;
-            va += dq_a;
-            dv += ddq_a;
+            v += MR_ABS(state->dq[i]);
+            va += MR_ABS(state->dq_a[i]);
+            dv += MR_ABS(state->ddq_a[i]);
             size.out += MR_ABS(state->q[i]);
+        }
+        if (state->dq_a_size) { /* sums: their rounding counts an eighth, or fully in a */
+            wa += 0.125 * state->dq_a_size[i];
+            dw += 0.125 * state->ddq_a_size[i];
+            if (model->joint_type[i] != MR_REVOLUTE) {
+                va += state->dq_a_size[i];
+                dv += state->ddq_a_size[i];
+            }
         }
     }
     for (int32_t k = 0; k < model->j - model->n; ++k) { /* before the sum may have cancelled */
@@ -31,9 +71,10 @@ mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state) {
         else
             size.out += q;
     }
-    size.k = dw + 2.0 * (w * wa);
-    size.a = (fabs(g[0]) + fabs(g[1]) + fabs(g[2])) + dv + v * wa + va * w;
-    size.under = MR_UNDER * (1.0 + w + wa);
+    a += fabs(g[0]) + fabs(g[1]) + fabs(g[2]);
+    size.k = dw + 2.0 * ((w + turned) * wa);
+    size.a = a + dv + v * wa + va * w;
+    size.under = MR_UNDER * (1.0 + w + wa + turned);
     return size;
 }
 
@@ -51,12 +92,14 @@ void mr_rounding_slack(const mr_model *model, const mr_slack_factors *factors,
         if (mr_of_model(model)->prismatic != 0.0)
             sum += size->out * (size->a * c->a_out + size->k * (c->k_out + c->a_out * size->out));
         if (parameters) {
-            const double ratio = model->gear_ratio[i], rotor = fabs(parameters->rotor_inertia[i]);
-            const MR_REAL dq = MR_ABS(state->dq[i]), ddq_a = MR_ABS(state->ddq_a_size[i]);
-            sum += (MR_U * MR_DRIVE) * (fabs(parameters->viscous[i]) * dq +
-                                        fabs(parameters->coulomb[i]) +
-                                        (ratio * ratio * rotor) * ddq_a);
-            sum += MR_UNDER * (1.0 + rotor) * (1.0 + ddq_a);
+            const double gear = model->gear_ratio[i] * model->gear_ratio[i];
+            const double viscous = fabs(parameters->viscous[i]);
+            const double rotor = fabs(parameters->rotor_inertia[i]);
+            const MR_REAL dq = MR_ABS(state->dq[i]);
+            const MR_REAL ddq_a = mr_acceleration_size(state, i);
+            sum += (MR_U * MR_DRIVE) *
+                   (viscous * dq + fabs(parameters->coulomb[i]) + (gear * rotor) * ddq_a);
+            sum += MR_UNDER * ((1.0 + rotor) * (1.0 + gear) + viscous) * (1.0 + ddq_a);
         }
         sum = sum * grown + under;
         slack[i] = MR_SELECT(safe, sum, infinite);

@@ -12,12 +12,12 @@
 #define MR_LEVER 15.0    /* between joint and link frame */
 
 /* Errors grow with the depth of the tree: per joint on the way, and once. */
-#define MR_MOTION_JOINT 52.0 /* acceleration and moment of a body, before mass */
-#define MR_MOTION_ONCE 44.0
-#define MR_NOMINAL_JOINT 79.0 /* torque of NE*; each body and joint adds its summation */
-#define MR_NOMINAL_ONCE 80.0
-#define MR_CHANGE_JOINT 196.0 /* the hull's deviation from it */
-#define MR_CHANGE_ONCE 300.0
+#define MR_MOTION_JOINT 35.0 /* acceleration and moment of a body, before mass */
+#define MR_MOTION_ONCE 70.0
+#define MR_NOMINAL_JOINT 62.0 /* torque of NE*; each body and joint adds its summation */
+#define MR_NOMINAL_ONCE 120.0
+#define MR_CHANGE_JOINT 180.0 /* the hull's deviation from it */
+#define MR_CHANGE_ONCE 350.0
 
 /* Second-order terms and the rounding of the sizes, for rates up to MR_RATE_MAX. */
 #define MR_SECOND_ORDER (1.0 + 0x1p-19)

@@ -3,8 +3,8 @@
 
 void mr_torque_box(const mr_model *model, const mr_bounds *bounds, mr_method method,
                    const mr_state *state, int drives, const mr_workspace *ws) {
-    const mr_motion_size size = mr_size_of_motion(model, state);
     mr_newton_euler(model, mr_nominal_point(bounds), state, ws, ws->mid);
+    const mr_motion_size size = mr_size_of_motion(model, state, ws);
     if (drives) mr_add_drives(model, &bounds->nominal, state, ws->mid);
     mr_lead(model, ws->mid);
     if (method == MR_IANEA) {
