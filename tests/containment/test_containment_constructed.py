@@ -194,7 +194,6 @@ def test_torques_below_the_smallest_double() -> None:
     check(robot, Signals(zero, zero, zero, zero, np.array([1e-190])))
 
 
-@pytest.mark.xfail(reason="the slack of drives has no part for a follower's rate that underflows")
 def test_a_followers_rate_that_underflows() -> None:
     point = {"mass": [1e-9] * 2, "com": np.zeros((2, 3)), "inertia": [1e-9 * np.eye(3)] * 2}
     free_robot = point_robot("rr", after=[np.eye(4)] * 2, **point)

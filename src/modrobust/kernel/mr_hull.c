@@ -6,8 +6,8 @@
 #include "mr_internal.h"
 #include "mr_quadratic.h"
 
-/* Links from their first joint, in base axes; axes: per joint the axis as it turns (zero if prismatic), the axis as
- * it shifts (zero if revolute), and the joint frame's origin. */
+/* Links from their first joint, in base axes; axes: per joint the axis as it turns (zero if
+ * prismatic), the axis as it shifts (zero if revolute), and the joint frame's origin. */
 static void forward_poses(const mr_model *model, int32_t last, const mr_workspace *ws) {
     const size_t stride = mr_joint_stride(model);
     for (int32_t i = 0; i <= last; ++i) {

@@ -47,7 +47,8 @@ static void add_body_box(const mr_model *model, const mr_bounds *bounds,
     mr_i_cross_real(wa[0], wa[1], wa[2], c, part);
     mr_i_cross_real(w[0], w[1], w[2], part, turned);
     mr_i_accumulate(turned, F);
-    const MR_REAL way = (1.0 + own->reach) + size->out, under = size->under * way * way;
+    const MR_REAL way = own->reach + size->out;
+    const MR_REAL under = size->under * (1.0 + way) * (1.0 + way);
     widen(motion_error * (size->a + size->k * way) + under, F);
     const mr_interval mass = {MR_SPLAT(lower->mass[b]), MR_SPLAT(upper->mass[b])};
     for (int k = 0; k < 3; ++k) F[k] = mr_i_mul(mass, F[k]); /* 27 */
@@ -78,8 +79,9 @@ static void add_body_box(const mr_model *model, const mr_bounds *bounds,
 void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_size *size,
               const mr_workspace *ws) {
     const double motion_rate = MR_MOTION_JOINT * mr_of_model(model)->depth + MR_MOTION_ONCE;
-    const MR_REAL motion_error = MR_U * (motion_rate + 2.0 * size->followed);
-    const MR_REAL turn_error = MR_U * (MR_ROTATION + size->followed);
+    const double defect = MR_DEFECTS * mr_of_model(model)->defect;
+    const MR_REAL motion_error = defect + MR_U * (motion_rate + 2.0 * size->followed);
+    const MR_REAL turn_error = defect + MR_U * (MR_ROTATION + size->followed);
     const mr_interval zero = {MR_SPLAT(0.0), MR_SPLAT(0.0)};
     mr_wrench_box *wrenches = ws->wrench.box;
     for (int32_t i = 0; i < model->j; ++i) /* 25 */

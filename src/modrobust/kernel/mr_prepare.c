@@ -26,14 +26,22 @@ static double kind_of(const mr_transform *T) {
     return T->p[0] == 0.0 && T->p[1] == 0.0 && T->p[2] == 0.0 ? MR_IDENTITY : MR_SHIFT;
 }
 
-/* An upper bound of |R' R - 1|, itself rounded. */
+/* |R' R - 1| in the Frobenius norm, 0 where it is no more than nearest doubles of a rotation have.
+ * Entries are cut in two, so that the products of their upper parts are exact. */
 static double defect_of(const mr_transform *T) {
     double defect[9];
     for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c)
-            defect[3 * r + c] = T->R[r] * T->R[c] + T->R[3 + r] * T->R[3 + c] +
-                                T->R[6 + r] * T->R[6 + c] - (r == c ? 1.0 : 0.0);
-    return norm_up(9, defect) + 0x1p-50;
+        for (int c = 0; c < 3; ++c) {
+            double upper = r == c ? -1.0 : 0.0, rest = 0.0;
+            for (int k = 0; k < 9; k += 3) {
+                const double x = (double)(float)T->R[k + r], y = (double)(float)T->R[k + c];
+                upper += x * y;
+                rest += x * (T->R[k + c] - y) + (T->R[k + r] - x) * T->R[k + c];
+            }
+            defect[3 * r + c] = upper + rest;
+        }
+    const double size = norm_up(9, defect);
+    return size <= MR_NO_DEFECT * MR_U ? 0.0 : size;
 }
 
 size_t mr_folded_size(const mr_model *model) {
@@ -165,9 +173,9 @@ static void weigh(const mr_model *model, const mr_parameters *at, const mr_bound
                   double *work, mr_slack_factors *factors, mr_slack_constants *constants) {
     const mr_joint_constants *joints = mr_of_joints(model);
     const double depth = mr_of_model(model)->depth, summed = model->b + 2.0 * model->j;
-    const double defect = 4.0 * mr_of_model(model)->defect / MR_U;
+    const double defect = MR_DEFECTS * mr_of_model(model)->defect / MR_U;
     const double unit = MR_U * MR_SECOND_ORDER;
-    double nominal = (MR_NOMINAL_JOINT * depth + MR_NOMINAL_ONCE + summed) * unit;
+    double nominal = (MR_NOMINAL_JOINT * depth + MR_NOMINAL_ONCE + summed + defect) * unit;
     double change = (MR_CHANGE_JOINT * depth + MR_CHANGE_ONCE + summed + defect) * unit;
     if (!(change <= MR_RATE_MAX)) nominal = change = INFINITY;
     sums *all = (sums *)work;

@@ -11,6 +11,10 @@
 #define MR_ROTATION 19.0 /* of a link to its parent */
 #define MR_LEVER 15.0    /* between joint and link frame */
 
+/* |R' R - 1| of a rotation's nearest doubles; what exceeds it counts for each use of a rotation. */
+#define MR_NO_DEFECT 4.0
+#define MR_DEFECTS 8.0
+
 /* Errors grow with the depth of the tree: per joint on the way, and once. */
 #define MR_MOTION_JOINT 35.0 /* acceleration and moment of a body, before mass */
 #define MR_MOTION_ONCE 70.0
