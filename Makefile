@@ -1,8 +1,10 @@
 # make demo: the paper's case from nothing.  make test: the whole suite.  make lint, build, clean.
+# make fuzz: both fuzz targets for FUZZ_SECONDS each; what they learn and find stays in build/fuzz.
 PYTHON ?= python3
 VENV := .venv
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 BIN := $(VENV)/bin
+FUZZ_SECONDS ?= 1800
 # What the compiled part and the metadata depend on; Python sources are read in place.
 NATIVE := pyproject.toml CMakeLists.txt src/_kernel.cpp $(wildcard src/modrobust/kernel/*.[ch]) \
           src/modrobust/kernel/flags.txt
@@ -10,7 +12,7 @@ REQUIRES := import tomllib; \
   print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint format build clean
+.PHONY: demo test lint format build fuzz clean
 
 demo: $(VENV)/.installed
 	$(BIN)/modrobust simulate lwa4p-paper --scenario 1
@@ -30,6 +32,11 @@ format: $(VENV)/.installed-test
 build: $(VENV)/.tools
 	rm -rf dist
 	$(BIN)/pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
+
+fuzz: $(VENV)/.installed-test
+	$(BIN)/python tests/fuzz/readers_fuzz.py build/fuzz/readers --seconds $(FUZZ_SECONDS)
+	PYTHONPATH=tests $(BIN)/python tests/fuzz/kernel_target.py build/fuzz/kernel \
+	  -max_total_time=$(FUZZ_SECONDS)
 
 clean:
 	rm -rf $(VENV) build dist

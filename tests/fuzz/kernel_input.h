@@ -31,7 +31,7 @@ typedef struct {
     const double *q, *dq, *dq_a, *ddq_a, *q_des;
     double t, elapsed;
     int drives;
-    int usual; /* rotations are orthonormal and no length is beyond 1e6 */
+    int usual; /* orthonormal rotations, lengths up to 1e6, finite box and speeds */
     block *blocks;
 } fuzz_case;
 
@@ -115,7 +115,8 @@ static void swap_if_less(double *a, double *b) {
 }
 
 /* nominal, lower and upper, ordered; an exact value, any three, or a relative width. */
-static void take_box(bytes *in, int sign, double *nominal, double *lower, double *upper) {
+static void take_box(fuzz_case *c, bytes *in, int sign, double *nominal, double *lower,
+                     double *upper) {
     const uint8_t kind = take_byte(in) % 3;
     double lo, x = take_double(in), hi;
     lo = hi = x;
@@ -131,15 +132,16 @@ static void take_box(bytes *in, int sign, double *nominal, double *lower, double
     swap_if_less(&lo, &x);
     swap_if_less(&x, &hi);
     swap_if_less(&lo, &x);
+    if (!isfinite(lo) || !isfinite(x) || !isfinite(hi)) c->usual = 0;
     *nominal = x;
     *lower = lo;
     *upper = hi;
 }
 
-static void take_boxes(bytes *in, int32_t count, int sign, const double *nominal,
+static void take_boxes(fuzz_case *c, bytes *in, int32_t count, int sign, const double *nominal,
                        const double *lower, const double *upper) {
     for (int32_t i = 0; i < count; ++i)
-        take_box(in, sign, (double *)nominal + i, (double *)lower + i, (double *)upper + i);
+        take_box(c, in, sign, (double *)nominal + i, (double *)lower + i, (double *)upper + i);
 }
 
 /* The arrays of one point are allocations of their own, not one packed vector. */
@@ -167,6 +169,7 @@ static void take_model(fuzz_case *c, bytes *in) {
         take_transform(c, in, after + i);
         ratio[i] = take_double(in);
         speed[i] = take_double(in);
+        if (!(speed[i] >= 0.0)) c->usual = 0;
     }
     for (int32_t i = 0; i < followers; ++i) {
         leader[i] = take_byte(in) % n;
@@ -203,13 +206,13 @@ static void take_bounds(fuzz_case *c, bytes *in) {
                         hi = allocate_point(c, b, j);
     int32_t *uncertain = allocate(c, (size_t)b * sizeof *uncertain);
     double *d_lo = allocate(c, (size_t)n * 8), *d_hi = allocate(c, (size_t)n * 8), nominal;
-    take_boxes(in, b, 0, x.mass, lo.mass, hi.mass);
-    take_boxes(in, 3 * b, 1, x.com, lo.com, hi.com);
-    take_boxes(in, 6 * b, 1, x.inertia, lo.inertia, hi.inertia);
-    take_boxes(in, j, 0, x.rotor_inertia, lo.rotor_inertia, hi.rotor_inertia);
-    take_boxes(in, j, 0, x.viscous, lo.viscous, hi.viscous);
-    take_boxes(in, j, 0, x.coulomb, lo.coulomb, hi.coulomb);
-    for (int32_t i = 0; i < n; ++i) take_box(in, 1, &nominal, d_lo + i, d_hi + i);
+    take_boxes(c, in, b, 0, x.mass, lo.mass, hi.mass);
+    take_boxes(c, in, 3 * b, 1, x.com, lo.com, hi.com);
+    take_boxes(c, in, 6 * b, 1, x.inertia, lo.inertia, hi.inertia);
+    take_boxes(c, in, j, 0, x.rotor_inertia, lo.rotor_inertia, hi.rotor_inertia);
+    take_boxes(c, in, j, 0, x.viscous, lo.viscous, hi.viscous);
+    take_boxes(c, in, j, 0, x.coulomb, lo.coulomb, hi.coulomb);
+    for (int32_t i = 0; i < n; ++i) take_box(c, in, 1, &nominal, d_lo + i, d_hi + i);
     const int32_t count = mr_find_uncertain(b, &lo, &hi, uncertain);
     c->bounds = (mr_bounds){.nominal = x,
                             .lower = lo,

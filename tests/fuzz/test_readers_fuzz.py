@@ -1,0 +1,44 @@
+"""A short run of the readers' fuzz target; `make fuzz` goes on."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import readers_fuzz
+
+HERE = Path(__file__).parent
+SECONDS = 15
+
+
+def test_no_reader_raises_anything_but_our_errors(tmp_path: Path) -> None:
+    answer = subprocess.run(
+        [sys.executable, HERE / "readers_fuzz.py", tmp_path, f"--seconds={SECONDS}"],
+        stdout=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    assert answer.returncode == 0, answer.stdout
+    seeds, grown = (len(os.listdir(tmp_path / name)) for name in ("seeds", "grown"))
+    assert seeds > 50
+    assert grown > 50
+
+
+def test_an_exception_that_is_not_ours_is_a_bug(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def careless(file: Path) -> None:
+        readers_fuzz.read_quantity(file)
+        if "kg" in file.read_text():
+            raise KeyError("kg")
+
+    (tmp_path / "assemblies").mkdir()
+    monkeypatch.setitem(readers_fuzz.READERS, b"q", ("assemblies/quantity", careless))
+    ways, problem = readers_fuzz.ways_of(b"q5 kg", tmp_path)
+    assert isinstance(problem, KeyError)
+    more, problem = readers_fuzz.ways_of(b"q5 mm +- 2 %", tmp_path)
+    assert problem is None
+    assert more - ways  # another way through the grammar
