@@ -15,6 +15,7 @@ from modrobust.formats import ListNode, MapNode, Node, ScalarNode, Where
 from modrobust.geometry import Transform, from_rows
 
 MAX_BYTES = 1 << 20
+LARGEST = 1e100  # of a mass, a length or an inertia: products of three stay finite
 EFFORT = {"revolute": "torque", "continuous": "torque", "prismatic": "force"}
 
 
@@ -170,6 +171,13 @@ def texts_of(node: Node) -> list[str]:
 
 
 def _number(node: Node, field: str) -> str:
+    text = _decimal(node, field)
+    if abs(Fraction(text)) > LARGEST:
+        raise node.where.error(field, f'"{text[:60]}" is beyond {LARGEST:g}; correct it')
+    return text
+
+
+def _decimal(node: Node, field: str) -> str:
     text = node.text if isinstance(node, ScalarNode) else ""
     if not re.fullmatch(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]{1,3})?", text):
         raise node.where.error(field, f'"{text[:60]}" is not a finite number; correct it')
@@ -184,7 +192,7 @@ def finite(node: Node | None) -> str | None:
         "infinity",
     ):
         return None
-    return _number(node, "limits")
+    return _decimal(node, "limits")
 
 
 def _numbers(node: Node, length: int, field: str) -> list[str]:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import pytest
 import readers_fuzz
+from reader_seeds import TIMOR
 
 HERE = Path(__file__).parent
 SECONDS = 15
@@ -42,3 +45,20 @@ def test_an_exception_that_is_not_ours_is_a_bug(
     more, problem = readers_fuzz.ways_of(b"q5 mm +- 2 %", tmp_path)
     assert problem is None
     assert more - ways  # another way through the grammar
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"amodrobust: 1\nrobot: robot\nmodules: " + b"9" * 400 + b"\nchain: [a]\n",
+        b"t" + json.dumps(TIMOR).replace("0.01", "1e309").encode(),
+        b"t" + json.dumps(TIMOR).replace("[1, 0", "[1e309, 0").encode(),
+    ],
+    ids=["a name that is too long", "a tensor beyond a double", "a pose beyond a double"],
+)
+def test_what_fuzzing_found_once_is_refused(data: bytes, tmp_path: Path) -> None:
+    (tmp_path / "assemblies").mkdir()
+    assert b"9" * 400 in data or b"1e309" in data
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        readers_fuzz.read(data, tmp_path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from fractions import Fraction
 from pathlib import Path
 
@@ -95,7 +96,7 @@ def _directories(model: AssemblyModel, directory: Path) -> tuple[Path, ...]:
     found = tuple(directory / text for text in model.modules or ())
     node = model.node.entries.get("modules")
     for index, folder in enumerate(found):
-        if not folder.is_dir():
+        if not os.path.isdir(folder):  # Path.is_dir raises where a name is too long
             place = node.items[index] if isinstance(node, ListNode) else node
             where = model.where if place is None else place.where
             raise where.error(
