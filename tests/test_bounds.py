@@ -335,7 +335,7 @@ def test_ianea_pays_for_using_the_centre_of_mass_twice() -> None:
     robot = spinning_body([0.1, 0.0, 0.2], [-0.2, -0.1, 0.2], [0.3, 0.1, 0.2])
     bounds = mr.inverse_dynamics_bounds(robot, [0.7], [0.0], [0.0], [1.0], method="ianea")
     expected = 0.3 - 2.0 * (0.06 + 0.01), 0.3 + 2.0 * (0.09 + 0.01)
-    assert_encloses(bounds, expected, 1.5e-13)
+    assert_encloses(bounds, expected, 2e-13)
 
 
 def test_a_parameter_of_nominal_zero_has_its_absolute_width() -> None:

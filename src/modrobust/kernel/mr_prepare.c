@@ -241,12 +241,15 @@ void mr_do_prepare(const mr_model *model, const mr_bounds *bounds, double *prepa
     weigh(model, &bounds->nominal, bounds, (double *)work, factors, slack);
     for (int32_t b = 0; b < model->b; ++b) {
         const int32_t i = model->body_joint[b];
-        /* an entry of a box is at most the sum of its ends' sizes */
+        double com[3], inertia[6];
+        for (int32_t k = 0; k < 3; ++k)
+            com[k] = fmax(fabs(bounds->lower.com[3 * b + k]), fabs(bounds->upper.com[3 * b + k]));
+        for (int32_t k = 0; k < 6; ++k)
+            inertia[k] = fmax(fabs(bounds->lower.inertia[6 * b + k]),
+                              fabs(bounds->upper.inertia[6 * b + k]));
         sizes[b].reach = (i < 0 ? 0.0 : work[i].reach) + norm_up(3, model->placement[b].p) +
-                         norm_up(3, bounds->lower.com + 3 * b) +
-                         norm_up(3, bounds->upper.com + 3 * b);
-        sizes[b].inertia = inertia_norm(bounds->lower.inertia + 6 * b) +
-                           inertia_norm(bounds->upper.inertia + 6 * b);
+                         norm_up(3, com);
+        sizes[b].inertia = inertia_norm(inertia);
     }
     for (int32_t k = 0; k < bounds->uncertain_count; ++k)
         boxes[k] = box_of(bounds, bounds->uncertain[k]);
