@@ -1,0 +1,166 @@
+"""Instructions of one robust command of the paper's LWA 4P, counted by callgrind.
+
+    python tests/instructions/instruction_counts.py
+
+stores the counts of this machine's gcc in tests/data/instruction_counts.json. The kernel is built
+with its own flags for any x86-64, because valgrind does not know every instruction of this machine.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import modrobust as mr
+import modrobust.kernel
+from modrobust.kernel import METHODS
+
+HERE = Path(__file__).parent
+STORED = HERE.parent / "data" / "instruction_counts.json"
+KERNEL = Path(modrobust.kernel.__file__).parent
+FLAGS = [line for line in (KERNEL / "flags.txt").read_text().splitlines() if line[:1] == "-"]
+STATES, ROUNDS = 10, (2, 12)
+CASES = {
+    "Table II, hull": (False, "hull"),
+    "Table II, ianea": (False, "ianea"),
+    "every body uncertain, hull": (True, "hull"),
+    "every body uncertain, ianea": (True, "ianea"),
+}
+
+
+def uncertain(robot: mr.Robot) -> mr.Robot:
+    """The robot with 5 % on every mass, 5 mm on every COM and 10 % on every inertia."""
+    p = robot.nominal
+    spread = np.abs(p.inertia).max(axis=(1, 2), keepdims=True) * 0.1
+    lower = replace(p, mass=0.95 * p.mass, com=p.com - 5e-3, inertia=p.inertia - spread)
+    upper = replace(p, mass=1.05 * p.mass, com=p.com + 5e-3, inertia=p.inertia + spread)
+    return replace(robot, lower=lower, upper=upper)
+
+
+def floats(values: Any) -> str:
+    return ", ".join(float(x).hex() for x in np.ravel(values))
+
+
+def table(kind: str, name: str, values: Iterable[Any]) -> str:
+    """A C array; one entry of filling where it is empty."""
+    entries = list(values) or [0]
+    text = floats(entries) if kind == "double" else ", ".join(str(int(x)) for x in entries)
+    return f"static const {kind} {name}[] = {{{text}}};\n"
+
+
+def transforms(name: str, T: Any) -> str:
+    rows = ", ".join(f"{{{{{floats(t[:3, :3])}}}, {{{floats(t[:3, 3])}}}}}" for t in T)
+    return f"static const mr_transform {name}[] = {{{rows}}};\n"
+
+
+def data(robot: mr.Robot, method: str) -> str:
+    """command_data.h: the robot, its box and gains, and signals at fixed random states."""
+    f, d, c = robot.followers, robot.disturbance, robot.controller
+    b, j = robot.b, robot.j
+    x, y, z = (row * g for row, g in zip(robot.base[:3, :3], robot.gravity, strict=True))
+    points = {"nominal": robot.nominal, "lower": robot.lower, "upper": robot.upper}
+    wide = [k for k in range(b) if any(
+        (getattr(robot.lower, name)[k] != getattr(robot.upper, name)[k]).any()
+        for name in ("mass", "com", "inertia")
+    )]  # fmt: skip
+    out = ['#include "mr_kernel.h"\n']
+    out.append(table("int32_t", "types", [kind == "prismatic" for kind in robot.joint_types]))
+    out.append(table("int32_t", "parents", robot.parents))
+    out.append(transforms("before", robot.before) + transforms("after", robot.after))
+    out.append(table("double", "ratios", robot.gear_ratio))
+    out.append(table("double", "speeds", robot.coulomb_speed))
+    out.append(table("int32_t", "leaders", f.leaders))
+    out.append(table("double", "multipliers", f.multiplier) + table("double", "offsets", f.offset))
+    out.append(table("int32_t", "body_joints", robot.body_joints))
+    out.append(transforms("placements", robot.placement))
+    out.extend(table("double", name, point.packed) for name, point in points.items())
+    out.append(table("double", "d_lo", d.lo) + table("double", "d_hi", d.hi))
+    out.append(table("int32_t", "uncertain", wide))
+    out.append(table("double", "K_r", np.broadcast_to(c.K_r, robot.n)))
+    signals = np.random.default_rng(0).uniform(-1.5, 1.5, (STATES, 5, robot.n))
+    out.append(f"enum {{ JOINTS = {robot.n}, STATES = {STATES} }};\n")
+    rows = "}, {".join("{" + "}, {".join(map(floats, state)) + "}" for state in signals)
+    out.append(f"static const double signals[STATES][5][JOINTS] = {{{{{rows}}}}};\n")
+    out.append(
+        f"static const mr_model command_model = {{{robot.n}, {j}, {b}, types, parents, before, "
+        "after, ratios, speeds, leaders, multipliers, offsets, body_joints, placements, "
+        f"{{{floats(x + y + z)}}}, NULL}};\n"
+    )
+    ends = np.cumsum([0, b, 3 * b, 6 * b, j, j])
+    views = [", ".join(f"{name} + {end}" for end in ends) for name in points]
+    out.append(
+        f"static const mr_bounds command_bounds = {{{{{'}, {'.join(views)}}}, d_lo, d_hi, "
+        f"uncertain, {len(wide)}, NULL}};\n"
+    )
+    gains = floats([c.kappa_P, c.kappa_I, c.phi_P, c.phi_I, c.epsilon])
+    out.append(
+        f"static const mr_gains command_gains = {{K_r, {gains}, MR_LAW_NORM, "
+        f"(mr_method){METHODS[method]}}};\n"
+    )
+    return "".join(out)
+
+
+def gcc_version() -> str:
+    """The major version: the count depends on the compiler."""
+    return subprocess.check_output(["gcc", "-dumpversion"], text=True).split(".")[0].strip()
+
+
+def executed(program: Path, rounds: int) -> int:
+    """Instructions of the whole program."""
+    answer = subprocess.run(
+        ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", program, str(rounds)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    found = re.search(r"Collected : (\d+)", answer.stderr)
+    if found is None:
+        raise RuntimeError(answer.stderr)
+    return int(found[1])
+
+
+def count_all() -> dict[str, float]:
+    """Instructions of one command, mean over the states, case by case."""
+    paper = mr.load_robot("lwa4p-paper")
+    counts = {}
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        objects = []
+        for source in sorted(KERNEL.glob("*.c")):
+            objects.append(folder / f"{source.stem}.o")
+            subprocess.run(["gcc", *FLAGS, "-c", source, "-o", objects[-1]], check=True)
+        for name, (wide, method) in CASES.items():
+            robot = uncertain(paper) if wide else paper
+            (folder / "command_data.h").write_text(data(robot, method))
+            program = folder / "count"
+            include = ["-I", folder, "-I", KERNEL]
+            source = HERE / "command_count.c"
+            subprocess.run(
+                ["gcc", *FLAGS, *include, source, *objects, "-lm", "-o", program], check=True
+            )
+            few, many = (executed(program, rounds) for rounds in ROUNDS)
+            counts[name] = (many - few) / (ROUNDS[1] - ROUNDS[0]) / STATES
+    return counts
+
+
+def main() -> None:
+    if shutil.which("valgrind") is None:
+        sys.exit("valgrind is not installed; apt-get install valgrind")
+    stored = json.loads(STORED.read_text()) if STORED.is_file() else {}
+    stored[f"gcc {gcc_version()}"] = {name: round(n, 1) for name, n in count_all().items()}
+    STORED.write_text(json.dumps(stored, indent=2, sort_keys=True) + "\n")
+    print(STORED.read_text(), end="")
+
+
+if __name__ == "__main__":
+    main()
