@@ -10,7 +10,7 @@ import kernel_target
 import pytest
 from kernel_seeds import write_seeds
 
-SECONDS = 12
+SECONDS = 8
 
 
 @pytest.fixture(scope="module")
