@@ -16,20 +16,19 @@
 #define MR_DEFECTS 8.0
 
 /* Errors grow with the depth of the tree: per joint on the way, and once. */
-#define MR_MOTION_JOINT 35.0 /* acceleration and moment of a body, before mass */
-#define MR_MOTION_ONCE 70.0
-#define MR_NOMINAL_JOINT 62.0 /* torque of NE*; each body and joint adds its summation */
-#define MR_NOMINAL_ONCE 120.0
-#define MR_CHANGE_JOINT 180.0 /* the hull's deviation from it */
-#define MR_CHANGE_ONCE 350.0
-
+#define MR_MOTION_JOINT 39.0 /* acceleration and moment of a body, before mass */
+#define MR_MOTION_ONCE 50.0
+#define MR_NOMINAL_JOINT 66.0 /* torque of NE*; each body and joint adds its summation */
+#define MR_NOMINAL_ONCE 90.0
+#define MR_CHANGE_JOINT 183.0 /* the hull's deviation from it */
+#define MR_CHANGE_ONCE 500.0
 /* Second-order terms and the rounding of the sizes, for rates up to MR_RATE_MAX. */
 #define MR_SECOND_ORDER (1.0 + 0x1p-19)
 #define MR_RATE_MAX 0x1p-21
 
 #define MR_DRIVE 32.0 /* torque of a drive, and its part in the sums */
 
-/* How much of the whole a follower's angle can make of it, at most 7 turns of rates above 112. */
+/* What a follower's angle can add to the whole: 3 turns to a rate above 155, or 7 to one of 683. */
 #define MR_FOLLOWED 0x1p-4
 
 /* More than all that underflow takes away, 2^-1075 at a time, before the factors that follow. */

@@ -1,0 +1,98 @@
+"""The constants of the rounding bound, added up again from the table in docs/guarantees.md."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = (ROOT / "docs" / "guarantees.md").read_text()
+HEADER = (ROOT / "src" / "modrobust" / "kernel" / "mr_rounding.h").read_text()
+
+
+def counted() -> dict[str, int]:
+    """Errors of the operations, from the table of the page."""
+    table = PAGE.split("| operation | error | why |")[1].split("\n\n")[0]
+    return {
+        name: int(error) for name, error in re.findall(r"^\| ([a-z' ]+) \| (\d+) \|", table, re.M)
+    }
+
+
+def stated() -> dict[str, float]:
+    """The constants of the kernel."""
+    return {name: float(x) for name, x in re.findall(r"^#define MR_(\w+) ([\d.]+)", HEADER, re.M)}
+
+
+def derived() -> dict[str, int]:
+    """The steps of the proof, in its order."""
+    e = counted()
+    add, scale, dot, rotate, cross = (e[n] for n in ("add", "scale", "dot", "rotate", "cross"))
+    axis, fixed = e["constant axis"], e["constant rotation"]
+    placement = fixed + rotate
+    # 1
+    rotation = e["sine"] + e["turn"] + 2 * fixed + e["multiply"]
+    lever = placement + e["constant lever"] + axis + scale + add + e["follower's angle"]
+    turned = rotation + rotate
+    # 2
+    rate = axis + scale + e["follower's rate"]
+    velocity = turned + add + 2 * rate
+    # 3: on dW, on 2 W Wa, on 2 S Wa
+    carried = velocity + turned + cross + rate
+    on_product = 2 * add + 2 * rate + 2 * velocity
+    spin = max(turned + 2 * add + 2 * rate, -(-on_product // 2), -(-carried // 2))
+    # 4
+    sums = 7 * add
+    acceleration = 2 * cross + e["constant lever"] + turned + sums
+    assert max(2 * cross + lever + 2 * add, turned + sums) <= acceleration
+    motion = acceleration + 2 * add + placement + add
+    # 5
+    body = motion + scale + cross + 2 * add + placement + add
+    share = scale + 1  # of a follower, and its multiplier as written
+    nominal = body + lever + cross + dot + axis + add + share
+    # 6
+    pose = rotation + e["multiply"]
+    position = pose + 2 * add
+    v_joint = 2 * pose + 2 * position + pose  # s, and the arm in body axes
+    at = rotate + lever
+    arm = at + (at + 2 * add) + add
+    turn = fixed + e["multiply"]
+    v = (arm + turn + rotate) + (turn + rotate) + cross + add
+    rest = sum(e[name] for name in ("value", "monotonic", "face", "off centre", "mass"))
+    return {
+        "CONSTANT_ROTATION": fixed,
+        "CONSTANT_LEVER": e["constant lever"],
+        "CONSTANT_AXIS": axis,
+        "ROTATION": rotation,
+        "LEVER": lever,
+        "MOTION_JOINT": spin,
+        "MOTION_ONCE": motion,
+        "NOMINAL_JOINT": spin + turned + 2 * add,
+        "NOMINAL_ONCE": nominal,
+        "CHANGE_JOINT": v_joint + spin,
+        "CHANGE_ONCE": v + motion + dot + rest + share,
+    }
+
+
+@pytest.mark.parametrize("name", derived())
+def test_the_kernels_constant_is_what_the_proof_adds_up_to(name: str) -> None:
+    assert stated()[name] == derived()[name]
+
+
+def test_the_page_states_the_same_rates() -> None:
+    for joint, once in (("NOMINAL_JOINT", "NOMINAL_ONCE"), ("CHANGE_JOINT", "CHANGE_ONCE")):
+        assert f"({derived()[joint]}D + {derived()[once]} + b + 2j)" in PAGE
+    assert f"$u({derived()['MOTION_JOINT']}D + {derived()['MOTION_ONCE']})$" in PAGE
+
+
+def test_a_changed_count_changes_a_constant(monkeypatch: pytest.MonkeyPatch) -> None:
+    original, base = counted(), derived()
+    for name in original:
+        halved = {**original, name: original[name] // 2}
+        monkeypatch.setattr("test_rounding_constants.counted", lambda halved=halved: halved)
+        try:
+            assert derived() != base, name
+        except AssertionError as problem:
+            # the steps' own comparisons may notice it first
+            assert "<=" in str(problem), name
