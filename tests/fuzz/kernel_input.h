@@ -133,7 +133,6 @@ static void take_box(fuzz_case *c, bytes *in, int sign, double *nominal, double 
     swap_if_less(&x, &hi);
     swap_if_less(&lo, &x);
     swap_if_less(&lo, &hi); /* where x is not a number */
-    if (!isfinite(lo) || !isfinite(x) || !isfinite(hi)) c->usual = 0;
     *nominal = x;
     *lower = lo;
     *upper = hi;

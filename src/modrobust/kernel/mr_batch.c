@@ -150,7 +150,8 @@ mr_status ENTRY(const mr_model *model, const mr_bounds *bounds, mr_method method
                 int drives, double *workspace, double *tau_lo, double *tau_hi, int64_t *row) {
     const double *const given[4] = {q, dq, dq_a, ddq_a};
     const mr_environment caller = mr_enter();
-    mr_status status = MR_OK;
+    mr_status status = mr_is_sound(bounds) ? MR_OK : MR_NOT_FINITE;
+    *row = 0;
     for (int64_t first = 0; first < count && !status; first += MR_LANES) {
         const int64_t left = count - first;
         status = block(model, bounds, method, first, left < MR_LANES ? left : MR_LANES, given,

@@ -155,6 +155,7 @@ mr_status mr_do_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *
                                         mr_method method, const double *q, const double *dq,
                                         const double *dq_a, const double *ddq_a, int drives,
                                         double *workspace, double *tau_lo, double *tau_hi) {
+    if (!mr_is_sound(bounds)) return MR_NOT_FINITE;
     mr_workspace ws = mr_workspace_view(model, workspace);
     const mr_state given = {q, dq, dq_a, ddq_a, NULL, NULL};
     mr_state state;
@@ -170,6 +171,7 @@ mr_status mr_do_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *
 mr_status mr_do_perturbation_bounds(const mr_model *model, const mr_bounds *bounds,
                                     mr_method method, const mr_state *given, double *workspace,
                                     double *nominal, double *phi_lo, double *phi_hi) {
+    if (!mr_is_sound(bounds)) return MR_NOT_FINITE;
     mr_workspace ws = mr_workspace_view(model, workspace);
     mr_state state;
     const mr_status status = mr_full_state(model, &ws, given, &state);
@@ -195,6 +197,7 @@ mr_status mr_do_perturbation_bounds(const mr_model *model, const mr_bounds *boun
 mr_status mr_do_bounds_slack(const mr_model *model, const mr_bounds *bounds, const double *q,
                              const double *dq, const double *dq_a, const double *ddq_a,
                              int drives, double *workspace, double *slack) {
+    if (!mr_is_sound(bounds)) return MR_NOT_FINITE;
     mr_workspace ws = mr_workspace_view(model, workspace);
     const mr_state given = {q, dq, dq_a, ddq_a, NULL, NULL};
     mr_state state;

@@ -25,6 +25,7 @@ typedef struct {
     double prismatic;  /* 1 where a joint is prismatic */
     double placements; /* how the placements of the bodies act, all of them */
     double aligned;    /* 1 where body k moves with joint k, for all bodies */
+    double poison;     /* 0, or not a number where a constant is not finite */
 } mr_model_constants;
 
 typedef struct {
@@ -81,6 +82,11 @@ typedef struct {
  * uncertain bodies. */
 static inline const mr_slack_factors *mr_factors(const mr_bounds *bounds) {
     return (const mr_slack_factors *)bounds->prepared;
+}
+
+/* 0 where mr_prepare found numbers that are not finite, or no box: nothing can be said then. */
+static inline int mr_is_sound(const mr_bounds *bounds) {
+    return isfinite(mr_factors(bounds)->reach);
 }
 
 static inline const double *mr_nominal_point(const mr_bounds *bounds) {

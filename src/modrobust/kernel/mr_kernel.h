@@ -92,7 +92,8 @@ typedef struct {
 } mr_bounds;
 
 /* Computes the constants of a box once, into mr_prepared_size doubles; bounds->prepared shall then
- * point to them. */
+ * point to them. With a model or a box that is not finite, lower > nominal > upper, or negative
+ * mass, rotor inertia or friction, every function on these bounds returns MR_NOT_FINITE. */
 size_t mr_prepared_size(const mr_model *model);
 void mr_prepare(const mr_model *model, const mr_bounds *bounds, double *prepared);
 
@@ -128,8 +129,8 @@ mr_status mr_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *bou
                                      double *workspace, double *tau_lo, double *tau_hi);
 
 /* The same for `count` states, rows of (count, n) arrays, several side by side in a register; the
- * bits are those of the single call. On an error *row is the first row that has it; rows before it
- * may be written. */
+ * bits are those of the single call. On an error *row is a row that has it; rows before it may be
+ * written. */
 size_t mr_batch_workspace_size(const mr_model *model);
 mr_status mr_inverse_dynamics_bounds_batch(const mr_model *model, const mr_bounds *bounds,
                                            mr_method method, int64_t count, const double *q,

@@ -44,6 +44,14 @@ static double defect_of(const mr_transform *T) {
     return size <= MR_NO_DEFECT * MR_U ? 0.0 : size;
 }
 
+/* 0 times any finite number is 0, and not a number otherwise. */
+static double poison_of(const mr_transform *T) {
+    double poison = 0.0;
+    for (int k = 0; k < 9; ++k) poison += 0.0 * T->R[k];
+    for (int k = 0; k < 3; ++k) poison += 0.0 * T->p[k];
+    return poison;
+}
+
 size_t mr_folded_size(const mr_model *model) {
     return DOUBLES(mr_model_constants) + (size_t)model->j * DOUBLES(mr_joint_constants) +
            12 * mr_body_stride(model);
@@ -54,7 +62,8 @@ void mr_do_fold(const mr_model *model, double *folded) {
     mr_model_constants *whole = (mr_model_constants *)folded;
     mr_joint_constants *joints = (mr_joint_constants *)(whole + 1);
     double *placements = (double *)(joints + model->j);
-    *whole = (mr_model_constants){0.0, 0.0, 1.0, 0.0, MR_IDENTITY, 1.0};
+    *whole = (mr_model_constants){0.0, 0.0, 1.0, 0.0, MR_IDENTITY, 1.0, 0.0};
+    for (int k = 0; k < 3; ++k) whole->poison += 0.0 * model->gravity[k];
     for (int32_t i = 0; i < model->j; ++i) {
         const mr_transform *before = &model->before[i], *after = &model->after[i];
         double depth = 1.0;
@@ -63,6 +72,8 @@ void mr_do_fold(const mr_model *model, double *folded) {
         if (model->parent[i] != i - 1) whole->serial = 0.0;
         if (model->joint_type[i] == MR_PRISMATIC) whole->prismatic = 1.0;
         whole->defect += defect_of(before) + defect_of(after);
+        whole->poison += poison_of(before) + poison_of(after) + 0.0 * model->gear_ratio[i] +
+                         0.0 * model->coulomb_speed[i];
         joints[i].before = kind_of(before);
         joints[i].before_norm = norm_up(3, before->p);
         joints[i].lever_norm = norm_up(3, after->p);
@@ -72,6 +83,7 @@ void mr_do_fold(const mr_model *model, double *folded) {
     for (int32_t b = 0; b < model->b; ++b) {
         const mr_transform *T = &model->placement[b];
         whole->defect += defect_of(T);
+        whole->poison += poison_of(T);
         if (kind_of(T) != MR_IDENTITY) whole->placements = MR_GENERAL;
         if (model->body_joint[b] != b) whole->aligned = 0.0;
         for (size_t k = 0; k < 9; ++k) placements[k * stride + (size_t)b] = T->R[k];
@@ -230,6 +242,27 @@ size_t mr_prepared_size(const mr_model *model) {
            mr_slack_work(model);
 }
 
+static int is_box(size_t count, double least, const double *lo, const double *nominal,
+                  const double *hi) {
+    for (size_t k = 0; k < count; ++k) /* a comparison with what is not a number is false */
+        if (!(least <= lo[k] && lo[k] <= nominal[k] && nominal[k] <= hi[k] && hi[k] <= DBL_MAX))
+            return 0;
+    return 1;
+}
+
+static int is_bounds(const mr_model *model, const mr_bounds *bounds) {
+    const mr_parameters *l = &bounds->lower, *c = &bounds->nominal, *h = &bounds->upper;
+    const size_t b = (size_t)model->b, j = (size_t)model->j, n = (size_t)model->n;
+    const double *d_lo = bounds->disturbance_lo, *d_hi = bounds->disturbance_hi;
+    return is_box(b, 0.0, l->mass, c->mass, h->mass) &&
+           is_box(3 * b, -DBL_MAX, l->com, c->com, h->com) &&
+           is_box(6 * b, -DBL_MAX, l->inertia, c->inertia, h->inertia) &&
+           is_box(j, 0.0, l->rotor_inertia, c->rotor_inertia, h->rotor_inertia) &&
+           is_box(j, 0.0, l->viscous, c->viscous, h->viscous) &&
+           is_box(j, 0.0, l->coulomb, c->coulomb, h->coulomb) &&
+           (!d_lo || is_box(n, -DBL_MAX, d_lo, d_lo, d_hi));
+}
+
 void mr_do_prepare(const mr_model *model, const mr_bounds *bounds, double *prepared) {
     mr_slack_factors *factors = (mr_slack_factors *)prepared;
     double *point = (double *)(factors + 1);
@@ -239,6 +272,7 @@ void mr_do_prepare(const mr_model *model, const mr_bounds *bounds, double *prepa
     sums *work = (sums *)(boxes + model->b);
     mr_point_of(model, &bounds->nominal, point);
     weigh(model, &bounds->nominal, bounds, (double *)work, factors, slack);
+    if (!is_bounds(model, bounds) || mr_of_model(model)->poison != 0.0) factors->reach = NAN;
     for (int32_t b = 0; b < model->b; ++b) {
         const int32_t i = model->body_joint[b];
         double com[3], inertia[6];

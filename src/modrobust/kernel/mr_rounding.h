@@ -22,6 +22,7 @@
 #define MR_NOMINAL_ONCE 90.0
 #define MR_CHANGE_JOINT 183.0 /* the hull's deviation from it */
 #define MR_CHANGE_ONCE 500.0
+
 /* Second-order terms and the rounding of the sizes, for rates up to MR_RATE_MAX. */
 #define MR_SECOND_ORDER (1.0 + 0x1p-19)
 #define MR_RATE_MAX 0x1p-21
@@ -33,6 +34,7 @@
 
 /* More than all that underflow takes away, 2^-1075 at a time, before the factors that follow. */
 #define MR_UNDER 0x1p-1000
+
 /* Beyond this a product could overflow unseen. */
 #define MR_HUGE 0x1p900
 
