@@ -83,64 +83,86 @@ static mr_workspace view_of(const mr_model *model, double *workspace, mr_lane *g
     return ws;
 }
 
-/* Column i of up to a register's number of rows; the last row fills what is missing. */
-static mr_lane gather(const double *rows, int32_t n, int32_t i, int64_t count) {
+/* Where the lanes' rows of up to a register's number begin; the last row fills what is missing. */
+static void row_starts(int32_t n, int64_t count, int64_t start[MR_LANES]) {
+    for (int64_t l = 0; l < MR_LANES; ++l) start[l] = (l < count ? l : count - 1) * n;
+}
+
+static mr_lane gather(const double *column, const int64_t start[MR_LANES]) {
     double lane[MR_LANES];
-    for (int64_t l = 0; l < MR_LANES; ++l) lane[l] = rows[(l < count ? l : count - 1) * n + i];
+    for (int l = 0; l < MR_LANES; ++l) lane[l] = column[start[l]];
     return mr_lane_load(lane);
 }
 
-/* What mr_full_state checks. */
-static mr_status check_row(const mr_model *model, const double *const given[4], int64_t row) {
+/* Row by row what mr_full_state checks: the first row that is refused, and why. */
+static mr_status check_rows(const mr_model *model, const double *const given[4], int64_t count,
+                            int64_t *row) {
     const int32_t n = model->n;
-    int beyond = 0;
-    for (int v = 0; v < 4; ++v)
-        if (!mr_all_finite(n, given[v] + row * n)) return MR_NOT_FINITE;
-    for (int32_t i = 0; i < model->j; ++i) {
-        const int64_t at = row * n + (i < n ? i : model->leader[i - n]);
-        double q = given[0][at];
-        if (i >= n) {
-            const double multiplier = model->multiplier[i - n];
-            q = multiplier * q + model->offset[i - n];
-            if (!isfinite(q)) return MR_NOT_FINITE;
-            for (int v = 1; v < 4; ++v)
-                if (!isfinite(multiplier * given[v][at])) return MR_NOT_FINITE;
+    for (*row = 0; *row < count; ++*row) {
+        int beyond = 0;
+        for (int v = 0; v < 4; ++v)
+            if (!mr_all_finite(n, given[v] + *row * n)) return MR_NOT_FINITE;
+        for (int32_t i = 0; i < model->j; ++i) {
+            const int64_t at = *row * n + (i < n ? i : model->leader[i - n]);
+            double q = given[0][at];
+            if (i >= n) {
+                const double multiplier = model->multiplier[i - n];
+                q = multiplier * q + model->offset[i - n];
+                if (!isfinite(q)) return MR_NOT_FINITE;
+                for (int v = 1; v < 4; ++v)
+                    if (!isfinite(multiplier * given[v][at])) return MR_NOT_FINITE;
+            }
+            if (model->joint_type[i] == MR_REVOLUTE && fabs(q) > MR_ANGLE_MAX) beyond = 1;
         }
-        if (model->joint_type[i] == MR_REVOLUTE && fabs(q) > MR_ANGLE_MAX) beyond = 1;
+        if (beyond) return MR_ANGLE_RANGE;
     }
-    return beyond ? MR_ANGLE_RANGE : MR_OK;
+    return MR_OK;
 }
 
-/* Rows from `first` to first + count, at most a register's number of them. */
+/* The same of all rows at once. */
+static int state_is_good(const mr_model *model, const mr_state *state) {
+    const mr_lane *given[4] = {state->q, state->dq, state->dq_a, state->ddq_a};
+    const mr_lane zero = MR_SPLAT(0.0);
+    mr_lane_mask good = zero == zero;
+    for (int32_t i = 0; i < model->j; ++i) {
+        for (int v = 0; v < 4; ++v) good &= MR_ABS(given[v][i]) <= DBL_MAX;
+        if (model->joint_type[i] == MR_REVOLUTE) good &= MR_ABS(state->q[i]) <= MR_ANGLE_MAX;
+    }
+    return mr_lane_all(good);
+}
+
+/* Up to a register's number of rows; *row is the one that is refused. */
 static mr_status block(const mr_model *model, const mr_bounds *bounds, mr_method method,
-                       int64_t first, int64_t count, const double *const given[4], int drives,
-                       double *workspace, double *tau_lo, double *tau_hi, int64_t *row) {
+                       int64_t count, const double *const given[4], int drives, double *workspace,
+                       double *tau_lo, double *tau_hi, int64_t *row) {
     const int32_t n = model->n;
+    int64_t start[MR_LANES];
     mr_lane *lanes[4];
     mr_workspace ws = view_of(model, workspace, lanes);
-    for (*row = first; *row < first + count; ++*row) {
-        const mr_status status = check_row(model, given, *row);
-        if (status) return status;
-    }
+    row_starts(n, count, start);
     for (int v = 0; v < 4; ++v)
-        for (int32_t i = 0; i < n; ++i) lanes[v][i] = gather(given[v] + first * n, n, i, count);
+        for (int32_t i = 0; i < n; ++i) lanes[v][i] = gather(given[v] + i, start);
     mr_state state = {lanes[0], lanes[1], lanes[2], lanes[3], NULL, NULL};
     if (model->j > n) mr_follow(model, &state, ws.full);
+    if (!state_is_good(model, &state)) return check_rows(model, given, count, row);
     mr_torque_box(model, bounds, method, &state, drives, &ws);
     mr_total_bounds(model, method, &ws);
+    const mr_lane zero = MR_SPLAT(0.0);
+    mr_lane_mask good = zero == zero;
     for (int32_t i = 0; i < n; ++i) {
         double lo[MR_LANES], hi[MR_LANES];
+        good &= (MR_ABS(ws.lo[i]) <= DBL_MAX) & (MR_ABS(ws.hi[i]) <= DBL_MAX);
         mr_lane_store(ws.lo[i], lo);
         mr_lane_store(ws.hi[i], hi);
         for (int64_t l = 0; l < count; ++l) {
-            tau_lo[(first + l) * n + i] = lo[l];
-            tau_hi[(first + l) * n + i] = hi[l];
+            tau_lo[l * n + i] = lo[l];
+            tau_hi[l * n + i] = hi[l];
         }
     }
-    for (*row = first; *row < first + count; ++*row)
-        if (!mr_all_finite(n, tau_lo + *row * n) || !mr_all_finite(n, tau_hi + *row * n))
-            return MR_NOT_FINITE;
-    return MR_OK;
+    if (mr_lane_all(good)) return MR_OK;
+    for (*row = 0; *row < count - 1; ++*row)
+        if (!mr_all_finite(n, tau_lo + *row * n) || !mr_all_finite(n, tau_hi + *row * n)) break;
+    return MR_NOT_FINITE;
 }
 
 #define ENTRY MR_JOIN(mr_inverse_dynamics_bounds_batch, MR_BATCH_SUFFIX)
@@ -148,14 +170,15 @@ static mr_status block(const mr_model *model, const mr_bounds *bounds, mr_method
 mr_status ENTRY(const mr_model *model, const mr_bounds *bounds, mr_method method, int64_t count,
                 const double *q, const double *dq, const double *dq_a, const double *ddq_a,
                 int drives, double *workspace, double *tau_lo, double *tau_hi, int64_t *row) {
-    const double *const given[4] = {q, dq, dq_a, ddq_a};
     const mr_environment caller = mr_enter();
     mr_status status = mr_is_sound(bounds) ? MR_OK : MR_NOT_FINITE;
     *row = 0;
     for (int64_t first = 0; first < count && !status; first += MR_LANES) {
-        const int64_t left = count - first;
-        status = block(model, bounds, method, first, left < MR_LANES ? left : MR_LANES, given,
-                       drives, workspace, tau_lo, tau_hi, row);
+        const int64_t left = count - first, at = first * model->n;
+        const double *const given[4] = {q + at, dq + at, dq_a + at, ddq_a + at};
+        status = block(model, bounds, method, left < MR_LANES ? left : MR_LANES, given, drives,
+                       workspace, tau_lo + at, tau_hi + at, row);
+        *row += first;
     }
     mr_leave(caller);
     return status;

@@ -8,33 +8,31 @@ enum { ARRAYS = 14 };
 size_t mr_workspace_size(const mr_model *model) {
     const size_t j = (size_t)model->j, joints = mr_joint_stride(model);
     const size_t bodies = mr_body_stride(model);
-    return j * (DOUBLES(mr_link) + DOUBLES(mr_wrench_box) + DOUBLES(mr_pose)) +
-           joints * (MR_MOTION + 9 + 2 + ARRAYS) + bodies * (MR_BODY + MR_POINT);
-}
-
-static double *cut(double **memory, size_t count) {
-    double *part = *memory;
-    *memory += count;
-    return part;
+    return 8 + joints * (MR_MOTION + 9 + 2 + ARRAYS) + bodies * (MR_BODY + MR_POINT) +
+           j * (DOUBLES(mr_link) + DOUBLES(mr_wrench_box) + DOUBLES(mr_pose));
 }
 
 mr_workspace mr_workspace_view(const mr_model *model, double *memory) {
     const size_t j = (size_t)model->j, joints = mr_joint_stride(model);
     const size_t bodies = mr_body_stride(model);
     mr_workspace view;
-    view.links = (mr_link *)cut(&memory, j * DOUBLES(mr_link));
-    view.wrench.box = (mr_wrench_box *)cut(&memory, j * DOUBLES(mr_wrench_box));
-    view.poses = (mr_pose *)cut(&memory, j * DOUBLES(mr_pose));
-    view.motion = cut(&memory, joints * MR_MOTION);
-    view.bodies = cut(&memory, bodies * MR_BODY);
-    view.axes = cut(&memory, joints * 9);
-    view.sines = cut(&memory, joints * 2);
-    view.point = cut(&memory, bodies * MR_POINT);
-    double **arrays[ARRAYS] = {&view.lo,        &view.hi,         &view.mid,     &view.slack,
-                               &view.dq_a,      &view.ddq_a,      &view.dq_a_size,
-                               &view.ddq_a_size, &view.full[0],   &view.full[1], &view.full[2],
-                               &view.full[3],   &view.full[4],    &view.full[5]};
-    for (int k = 0; k < ARRAYS; ++k) *arrays[k] = cut(&memory, joints);
+    view.motion = mr_align(memory);
+    view.axes = view.motion + joints * MR_MOTION;
+    view.sines = view.axes + joints * 9;
+    view.lo = view.sines + joints * 2;
+    view.hi = view.lo + joints;
+    view.mid = view.hi + joints;
+    view.slack = view.mid + joints;
+    view.dq_a = view.slack + joints;
+    view.ddq_a = view.dq_a + joints;
+    view.dq_a_size = view.ddq_a + joints;
+    view.ddq_a_size = view.dq_a_size + joints;
+    for (size_t k = 0; k < 6; ++k) view.full[k] = view.ddq_a_size + (k + 1) * joints;
+    view.bodies = view.full[5] + joints;
+    view.point = view.bodies + bodies * MR_BODY;
+    view.links = (mr_link *)(view.point + bodies * MR_POINT);
+    view.wrench.box = (mr_wrench_box *)(view.links + j);
+    view.poses = (mr_pose *)(view.wrench.box + j);
     return view;
 }
 
@@ -67,30 +65,31 @@ int32_t mr_do_find_uncertain(int32_t b, const mr_parameters *lower, const mr_par
     return count;
 }
 
-/* Registers read the padding too: it holds zeros, so that nothing there is slow. */
+/* Registers read some of the padding too: it holds zeros, so that nothing there is slow. */
 static void clear_padding(const mr_model *model, const mr_workspace *ws) {
     const size_t stride = mr_joint_stride(model), j = (size_t)model->j;
-    for (size_t i = j; i < stride; ++i) ws->full[0][i] = 0.0;
-    for (size_t k = 0; k < MR_MOTION; ++k)
-        for (size_t i = j; i < stride; ++i) ws->motion[k * stride + i] = 0.0;
-    for (size_t k = 0; k < 9; ++k)
-        for (size_t i = j; i < stride; ++i) ws->axes[k * stride + i] = 0.0;
+    for (size_t i = j; i % MR_BLOCK; ++i) {
+        ws->full[0][i] = 0.0;
+        for (size_t k = 0; k < MR_MOTION; ++k) ws->motion[k * stride + i] = 0.0;
+        for (size_t k = 0; k < 9; ++k) ws->axes[k * stride + i] = 0.0;
+    }
 }
 
 mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const mr_state *given,
                         mr_state *state) {
     const int32_t n = model->n, j = model->j;
-    if (!mr_all_finite(n, given->q) || !mr_all_finite(n, given->dq) ||
-        !mr_all_finite(n, given->dq_a) || !mr_all_finite(n, given->ddq_a))
+    if (!(mr_all_finite(n, given->q) & mr_all_finite(n, given->dq) &
+          mr_all_finite(n, given->dq_a) & mr_all_finite(n, given->ddq_a)))
         return MR_NOT_FINITE;
     *state = *given;
     mr_follow(model, state, ws->full);
     if (j > n)
         for (int v = 0; v < 4; ++v)
             if (!mr_all_finite(j, ws->full[v])) return MR_NOT_FINITE;
+    int beyond = 0;
     for (int32_t i = 0; i < j; ++i)
-        if (model->joint_type[i] == MR_REVOLUTE && fabs(state->q[i]) > MR_ANGLE_MAX)
-            return MR_ANGLE_RANGE;
+        beyond |= (model->joint_type[i] == MR_REVOLUTE) & (fabs(state->q[i]) > MR_ANGLE_MAX);
+    if (beyond) return MR_ANGLE_RANGE;
     clear_padding(model, ws);
     return MR_OK;
 }
@@ -168,30 +167,41 @@ mr_status mr_do_inverse_dynamics_bounds(const mr_model *model, const mr_bounds *
     return copy_finite(model->n, ws.lo, tau_lo);
 }
 
+mr_status mr_perturbation_box(const mr_model *model, const mr_bounds *bounds, mr_method method,
+                              const mr_state *given, const mr_workspace *ws) {
+    if (!mr_is_sound(bounds)) return MR_NOT_FINITE;
+    mr_state state;
+    const mr_status status = mr_full_state(model, ws, given, &state);
+    if (status) return status;
+    mr_torque_box(model, bounds, method, &state, 1, ws);
+    for (int32_t i = 0; i < model->n; ++i) {
+        const mr_interval d = {bounds->disturbance_lo[i], bounds->disturbance_hi[i]};
+        mr_interval w = {ws->lo[i], ws->hi[i]};
+        if (method == MR_IANEA) /* hull: already a difference, and the slack holds u0's rounding */
+            w = mr_i_sub(w, (mr_interval){ws->mid[i], ws->mid[i]});
+        else
+            w = mr_i_widen(w, ws->slack[i]);
+        w = mr_i_sub(w, d);
+        ws->lo[i] = w.lo;
+        ws->hi[i] = w.hi;
+    }
+    const int finite = mr_all_finite(model->n, ws->mid) & mr_all_finite(model->n, ws->lo) &
+                       mr_all_finite(model->n, ws->hi);
+    return finite ? MR_OK : MR_NOT_FINITE;
+}
+
 mr_status mr_do_perturbation_bounds(const mr_model *model, const mr_bounds *bounds,
                                     mr_method method, const mr_state *given, double *workspace,
                                     double *nominal, double *phi_lo, double *phi_hi) {
-    if (!mr_is_sound(bounds)) return MR_NOT_FINITE;
-    mr_workspace ws = mr_workspace_view(model, workspace);
-    mr_state state;
-    const mr_status status = mr_full_state(model, &ws, given, &state);
+    const mr_workspace ws = mr_workspace_view(model, workspace);
+    const mr_status status = mr_perturbation_box(model, bounds, method, given, &ws);
     if (status) return status;
-    mr_torque_box(model, bounds, method, &state, 1, &ws);
     for (int32_t i = 0; i < model->n; ++i) {
-        const mr_interval d = {bounds->disturbance_lo[i], bounds->disturbance_hi[i]};
-        mr_interval w = {ws.lo[i], ws.hi[i]};
-        if (method == MR_IANEA) /* hull: already a difference, and the slack holds u0's rounding */
-            w = mr_i_sub(w, (mr_interval){ws.mid[i], ws.mid[i]});
-        else
-            w = mr_i_widen(w, ws.slack[i]);
-        w = mr_i_sub(w, d);
-        ws.lo[i] = w.lo;
-        ws.hi[i] = w.hi;
+        nominal[i] = ws.mid[i];
+        phi_lo[i] = ws.lo[i];
+        phi_hi[i] = ws.hi[i];
     }
-    if (!mr_all_finite(model->n, ws.mid) || !mr_all_finite(model->n, ws.lo)) return MR_NOT_FINITE;
-    if (copy_finite(model->n, ws.hi, phi_hi)) return MR_NOT_FINITE;
-    copy_finite(model->n, ws.mid, nominal);
-    return copy_finite(model->n, ws.lo, phi_lo);
+    return MR_OK;
 }
 
 mr_status mr_do_bounds_slack(const mr_model *model, const mr_bounds *bounds, const double *q,

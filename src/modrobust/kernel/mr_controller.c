@@ -20,12 +20,9 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
                         const double *dq_des, const double *ddq_des, double *workspace,
                         mr_controller_state *state, mr_command_out *out) {
     const int32_t n = model->n;
-    mr_workspace ws = mr_workspace_view(model, workspace);
+    const mr_workspace ws = mr_workspace_view(model, workspace);
     double error_squared = 0.0, rho_squared = 0.0;
-    if (!isfinite(t)) return MR_NOT_FINITE;
-    if (!mr_all_finite(n, q) || !mr_all_finite(n, dq) || !mr_all_finite(n, q_des) ||
-        !mr_all_finite(n, dq_des) || !mr_all_finite(n, ddq_des))
-        return MR_NOT_FINITE;
+    if (!isfinite(t)) return MR_NOT_FINITE; /* what is not finite in a signal is so in (4) too */
     if (state->started && t < state->previous_time) return MR_TIME;
 
     double *const auxiliary[4] = {ws.dq_a, ws.ddq_a, ws.dq_a_size, ws.ddq_a_size};
@@ -34,9 +31,7 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
         const double error = q_des[i] - q[i];
         error_squared += error * error;
     }
-    const mr_status status =
-        mr_do_perturbation_bounds(model, bounds, gains->method, &given, workspace, ws.mid, ws.lo,
-                                  ws.hi);
+    const mr_status status = mr_perturbation_box(model, bounds, gains->method, &given, &ws);
     if (status) return status;
     for (int32_t i = 0; i < n; ++i) { /* (8) */
         const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]), rho = a > b ? a : b;

@@ -160,16 +160,19 @@ static int carries(const mr_model *model, int32_t ancestor, int32_t joint) {
 }
 
 /* Lanes of a block of joints that carry link `last`. */
-static mr_lane_mask carrying(const mr_model *model, int32_t first, int32_t last, int *any) {
+static inline mr_lane_mask carrying(const mr_model *model, int32_t first, int32_t last, int *any) {
+    static const int64_t indices[8] = {0, 1, 2, 3, 4, 5, 6, 7};
     int64_t on[MR_LANES];
-    *any = 0;
+    mr_lane_mask index, mask;
+    memcpy(&index, indices, sizeof index);
+    *any = carries(model, first, last);
+    if (MR_BLOCK == 1) return index >= 0; /* the lanes of a batch are states */
+    if (mr_of_model(model)->serial != 0.0) return index <= (int64_t)(last - first);
     for (int32_t l = 0; l < MR_LANES; ++l) {
-        const int32_t i = first + (MR_BLOCK > 1 ? l : 0); /* the lanes of a batch are states */
-        const int one = i <= last && carries(model, i, last);
-        on[l] = one ? -1 : 0;
-        *any |= one;
+        const int32_t i = first + l;
+        on[l] = i <= last && carries(model, i, last) ? -1 : 0;
+        *any |= on[l] != 0;
     }
-    mr_lane_mask mask;
     memcpy(&mask, on, sizeof mask);
     return mask;
 }

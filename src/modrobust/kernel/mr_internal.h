@@ -12,9 +12,15 @@
 /* How a constant transform acts; a D-H chain has only identities before its joints. */
 enum { MR_GENERAL = 0, MR_SHIFT = 1, MR_IDENTITY = 2 };
 
-/* Arrays of joints and bodies are padded, so that a register can be read at any entry. */
-static inline size_t mr_joint_stride(const mr_model *model) { return (size_t)model->j + 8; }
-static inline size_t mr_body_stride(const mr_model *model) { return (size_t)model->b + 8; }
+/* Arrays of joints and bodies are padded to whole registers of the widest kind. */
+static inline size_t mr_padded(int32_t count) { return ((size_t)count + 7) / 8 * 8; }
+static inline size_t mr_joint_stride(const mr_model *model) { return mr_padded(model->j); }
+static inline size_t mr_body_stride(const mr_model *model) { return mr_padded(model->b); }
+
+/* The first double from here on that starts a register of the widest kind. */
+static inline double *mr_align(double *memory) {
+    return memory + (64 - (uintptr_t)memory % 64) % 64 / sizeof(double);
+}
 
 /* Constants of a model, all doubles: the header, (j) of the next, then the placements of the
  * bodies component by component (12, b padded). */
@@ -174,14 +180,15 @@ typedef struct {
 
 mr_workspace mr_workspace_view(const mr_model *model, double *memory);
 
-/* NaN or infinite where an entry of x is: finite otherwise. */
+/* Without a branch for each entry, because nearly always all are. */
 static inline int mr_all_finite(int32_t n, const double *x) {
-    for (int32_t i = 0; i < n; ++i)
-        if (!isfinite(x[i])) return 0;
-    return 1;
+    int odd = 0;
+    for (int32_t i = 0; i < n; ++i) odd |= !(fabs(x[i]) <= DBL_MAX);
+    return !odd;
 }
 
-/* Copies the state and adds positions, velocities and accelerations of the followers, (15). */
+/* Copies the state and adds positions, velocities and accelerations of the followers, (15);
+ * without followers only the positions are copied, which are read in registers. */
 void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]);
 
 /* Checks the n entries of each vector and adds those of the followers. */
@@ -250,6 +257,11 @@ void mr_torque_box(const mr_model *model, const mr_bounds *bounds, mr_method met
 
 /* Bounds of the torque from what mr_torque_box leaves. */
 void mr_total_bounds(const mr_model *model, mr_method method, const mr_workspace *ws);
+
+/* (12): ws->mid is the nominal torque, ws->lo and ws->hi are [Phi]; all finite where the status is
+ * MR_OK. */
+mr_status mr_perturbation_box(const mr_model *model, const mr_bounds *bounds, mr_method method,
+                              const mr_state *given, const mr_workspace *ws);
 
 /* NE* and its rounding error (26) by constants of mr_point_slack. */
 mr_status mr_torque_with_error(const mr_model *model, const mr_parameters *parameters,

@@ -5,6 +5,11 @@ void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]) {
     const int32_t n = model->n;
     const MR_REAL *given[6] = {state->q,     state->dq,        state->dq_a,
                                state->ddq_a, state->dq_a_size, state->ddq_a_size};
+    if (model->j == n) {
+        for (int32_t i = 0; i < n; ++i) full[0][i] = state->q[i];
+        state->q = full[0];
+        return;
+    }
     for (int v = 0; v < 6; ++v) {
         if (!given[v]) continue;
         for (int32_t i = 0; i < n; ++i) full[v][i] = given[v][i];
@@ -64,13 +69,15 @@ void mr_joint_geometry(const mr_model *model, int32_t i, const MR_REAL *q, const
 
 void mr_forward_recursion(const mr_model *model, const mr_state *state, const mr_workspace *ws) {
     const size_t stride = mr_joint_stride(model);
+    MR_REAL from[MR_MOTION], *a = from + MR_A; /* motion of the link before, then of link i */
+    MR_REAL *w = from + MR_W, *wa = from + MR_WA, *dw = from + MR_DW;
     mr_all_sines(model, state->q, ws->sines);
     for (int32_t i = 0; i < model->j; ++i) {
         mr_link *link = &ws->links[i];
         const int32_t parent = model->parent[i];
         const double *g = model->gravity, *z = model->after[i].R + 6; /* line 8 */
         const MR_REAL dq = state->dq[i], dq_a = state->dq_a[i], ddq_a = state->ddq_a[i];
-        MR_REAL w[3], wa[3], dw[3], a[3], cross[3];
+        MR_REAL cross[3];
         mr_joint_geometry(model, i, state->q, ws->sines, link);
 
         if (parent < 0) {
@@ -78,16 +85,16 @@ void mr_forward_recursion(const mr_model *model, const mr_state *state, const mr
             mr_unrotate(link->R, base_a, a);
             for (int k = 0; k < 3; ++k) w[k] = wa[k] = dw[k] = MR_SPLAT(0.0);
         } else {
-            MR_REAL from[MR_MOTION];
-            for (size_t k = 0; k < MR_MOTION; ++k)
-                from[k] = ws->motion[k * stride + (size_t)parent];
+            if (parent != i - 1)
+                for (size_t k = 0; k < MR_MOTION; ++k)
+                    from[k] = ws->motion[k * stride + (size_t)parent];
             if (mr_of_joints(model)[i].before != MR_IDENTITY) /* to the joint frame's origin */
-                ADD_CARRIED(from + MR_W, from + MR_WA, from + MR_DW, model->before[i].p,
-                            from + MR_A);
-            mr_unrotate(link->R, from + MR_W, w);
-            mr_unrotate(link->R, from + MR_WA, wa);
-            mr_unrotate(link->R, from + MR_DW, dw);
-            mr_unrotate(link->R, from + MR_A, a);
+                ADD_CARRIED(w, wa, dw, model->before[i].p, a);
+            for (int v = 0; v < MR_MOTION; v += 3) {
+                MR_REAL turned[3];
+                mr_unrotate(link->R, from + v, turned);
+                mr_copy(turned, from + v);
+            }
         }
 
         mr_cross(wa, z, cross);
@@ -103,11 +110,6 @@ void mr_forward_recursion(const mr_model *model, const mr_state *state, const mr
             mr_add_scaled(ddq_a, z, a);
         }
         ADD_CARRIED(w, wa, dw, link->p, a); /* lines 16 and 21 */
-        for (size_t k = 0; k < 3; ++k) {
-            ws->motion[(MR_W + k) * stride + (size_t)i] = w[k];
-            ws->motion[(MR_WA + k) * stride + (size_t)i] = wa[k];
-            ws->motion[(MR_DW + k) * stride + (size_t)i] = dw[k];
-            ws->motion[(MR_A + k) * stride + (size_t)i] = a[k];
-        }
+        for (size_t k = 0; k < MR_MOTION; ++k) ws->motion[k * stride + (size_t)i] = from[k];
     }
 }

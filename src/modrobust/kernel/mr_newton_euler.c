@@ -89,9 +89,12 @@ void mr_body_pass(const mr_model *model, const double *point, const mr_workspace
 
 void mr_backward_recursion(const mr_model *model, const mr_workspace *ws, MR_REAL *tau) {
     const size_t stride = mr_body_stride(model);
+    const MR_REAL zero = MR_SPLAT(0.0);
     mr_wrench *wrenches = ws->wrench.real;
+    MR_REAL f[3] = {zero, zero, zero}, n[3] = {zero, zero, zero}; /* carried to `parent` */
+    int32_t parent = -1;
     for (int32_t i = 0; i < model->j; ++i)
-        for (int k = 0; k < 3; ++k) wrenches[i].f[k] = wrenches[i].n[k] = MR_SPLAT(0.0);
+        for (int k = 0; k < 3; ++k) wrenches[i].f[k] = wrenches[i].n[k] = zero;
     for (int32_t b = 0; b < model->b; ++b) {
         if (model->body_joint[b] < 0) continue;
         mr_wrench *link = &wrenches[model->body_joint[b]];
@@ -103,21 +106,28 @@ void mr_backward_recursion(const mr_model *model, const mr_workspace *ws, MR_REA
     for (int32_t i = model->j - 1; i >= 0; --i) {
         const mr_link *link = &ws->links[i];
         const double *z = model->after[i].R + 6;
-        mr_wrench *own = &wrenches[i];
-        mr_add_cross(link->p, own->f, own->n); /* 30: moment about the joint frame's origin */
+        MR_REAL own_f[3], own_n[3];
+        if (parent != i && parent >= 0) { /* a branch: put down for later */
+            mr_add(f, wrenches[parent].f); /* 28 */
+            mr_add(n, wrenches[parent].n); /* 29 */
+        }
+        mr_copy(wrenches[i].f, own_f);
+        mr_copy(wrenches[i].n, own_n);
+        if (parent == i) { /* a chain: out of the registers */
+            mr_add(f, own_f);
+            mr_add(n, own_n);
+        }
+        mr_add_cross(link->p, own_f, own_n); /* 30: moment about the joint frame's origin */
         if (model->joint_type[i] == MR_REVOLUTE)
-            tau[i] = mr_dot(own->n, z);
+            tau[i] = mr_dot(own_n, z);
         else
-            tau[i] = mr_dot(own->f, z);
-        if (model->parent[i] < 0) continue;
-        mr_wrench *parent = &wrenches[model->parent[i]];
-        MR_REAL f[3], n[3];
-        mr_rotate(link->R, own->f, f);
-        mr_rotate(link->R, own->n, n);
+            tau[i] = mr_dot(own_f, z);
+        parent = model->parent[i];
+        if (parent < 0) continue;
+        mr_rotate(link->R, own_f, f);
+        mr_rotate(link->R, own_n, n);
         if (mr_of_joints(model)[i].before != MR_IDENTITY)
             mr_add_cross(model->before[i].p, f, n);
-        mr_add(f, parent->f); /* 28 */
-        mr_add(n, parent->n); /* 29 */
     }
 }
 

@@ -60,7 +60,16 @@ static inline int mr_lane_any(mr_lane_mask mask) {
     return any != 0;
 }
 
+static inline int mr_lane_all(mr_lane_mask mask) {
+    int64_t lane[MR_LANES];
+    int all = 1;
+    memcpy(lane, &mask, sizeof lane);
+    for (int k = 0; k < MR_LANES; ++k) all &= lane[k] != 0;
+    return all;
+}
+
 #ifdef MR_BATCH
+#define MR_ALL mr_lane_all
 #define MR_REAL mr_lane
 #define MR_MASK mr_lane_mask
 #define MR_SELECT MR_LANE_SELECT
@@ -69,6 +78,7 @@ static inline int mr_lane_any(mr_lane_mask mask) {
 #define MR_SPLAT MR_LANE_SPLAT
 #define MR_SQRT mr_lane_sqrt
 #else
+#define MR_ALL(mask) (mask)
 #define MR_REAL double
 #define MR_MASK int64_t
 #define MR_SELECT(mask, a, b) ((mask) ? (a) : (b))

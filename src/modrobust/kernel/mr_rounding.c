@@ -4,33 +4,46 @@
 #include "mr_rounding.h"
 
 /* Over the joints of a register; a batch has one joint in it. */
-static MR_REAL largest_lane(mr_lane x) {
+static inline MR_REAL largest_lane(mr_lane x) {
 #ifdef MR_BATCH
     return x;
 #else
-    double lane[MR_LANES], largest = 0.0;
+    double lane[MR_LANES];
     mr_lane_store(x, lane);
-    for (int k = 0; k < MR_LANES; ++k) largest = MR_MAX(lane[k], largest);
-    return largest;
+    for (int half = MR_LANES / 2; half > 0; half /= 2)
+        for (int k = 0; k < half; ++k) lane[k] = MR_MAX(lane[k], lane[k + half]);
+    return lane[0];
 #endif
 }
 
-/* Largest Euclidean norm of a vector of the motion, over all links; the largest sum of its entries'
- * sizes where the squares are out of range. */
-static MR_REAL largest_norm(const mr_model *model, const MR_REAL *vector) {
+/* Largest sum of the sizes of a vector's entries, over all links: no square is out of range. */
+static MR_REAL largest_sum(const mr_model *model, const MR_REAL *vector) {
     const size_t stride = mr_joint_stride(model);
-    mr_lane square = MR_LANE_SPLAT(0.0), sum = square;
+    mr_lane sum = MR_LANE_SPLAT(0.0);
+    for (int32_t i = 0; i < model->j; i += MR_BLOCK) {
+        const mr_lane here = MR_LANE_ABS(MR_TAKE(vector, i)) +
+                             MR_LANE_ABS(MR_TAKE(vector + stride, i)) +
+                             MR_LANE_ABS(MR_TAKE(vector + 2 * stride, i));
+        sum = MR_LANE_SELECT(here > sum, here, sum);
+    }
+    return largest_lane(sum);
+}
+
+/* Largest Euclidean norm of a vector of the motion, over all links. */
+static inline MR_REAL largest_norm(const mr_model *model, const MR_REAL *vector) {
+    const size_t stride = mr_joint_stride(model);
+    mr_lane square = MR_LANE_SPLAT(0.0);
     for (int32_t i = 0; i < model->j; i += MR_BLOCK) {
         const mr_lane v[3] = {MR_TAKE(vector, i), MR_TAKE(vector + stride, i),
                               MR_TAKE(vector + 2 * stride, i)};
-        const mr_lane v_square = mr_dot(v, v);
-        const mr_lane v_sum = MR_LANE_ABS(v[0]) + MR_LANE_ABS(v[1]) + MR_LANE_ABS(v[2]);
-        square = MR_LANE_SELECT(v_square > square, v_square, square);
-        sum = MR_LANE_SELECT(v_sum > sum, v_sum, sum);
+        const mr_lane here = mr_dot(v, v);
+        square = MR_LANE_SELECT(here > square, here, square);
     }
-    const MR_REAL squares = largest_lane(square), sums = largest_lane(sum);
+    const MR_REAL squares = largest_lane(square);
+    const MR_MASK good = (squares > 0x1p-900) & (squares < 0x1p900);
     const MR_REAL norm = MR_SQRT(squares);
-    return MR_SELECT((squares > 0x1p-900) & (squares < 0x1p900), norm, sums);
+    if (MR_ALL(good)) return norm;
+    return MR_SELECT(good, norm, largest_sum(model, vector));
 }
 
 mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state,
