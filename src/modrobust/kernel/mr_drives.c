@@ -35,11 +35,14 @@ void mr_add_drives(const mr_model *model, const mr_parameters *parameters, const
     }
 }
 
+/* Slower than this, a Coulomb speed below the normal numbers may not be the one that was written. */
+#define MR_SLOW 0x1p-960
+
 /* Hull of the smooth and the true sign of dq: what Coulomb friction may be, (20). The smooth one
  * is off by at most 5 u of itself, a speed written in decimals included. */
 static mr_interval sign_box(MR_REAL dq, double coulomb_speed) {
     const MR_REAL speed = MR_ABS(dq), one = MR_SPLAT(1.0);
-    const MR_MASK free = (speed <= coulomb_speed) | (speed == 0.0);
+    const MR_MASK free = (speed <= coulomb_speed) | (speed <= MR_SLOW);
     const MR_REAL least = MR_ABS(smooth_sign(dq, coulomb_speed)) * (1.0 - 0x1p-50);
     return (mr_interval){MR_SELECT(free, -one, MR_SELECT(dq > 0.0, least, -one)),
                          MR_SELECT(free, one, MR_SELECT(dq > 0.0, one, -least))};
@@ -57,9 +60,10 @@ static mr_interval drive_box(const mr_model *model, const mr_bounds *bounds,
     const mr_interval rotor_box = {MR_SPLAT(l->rotor_inertia[i] - rotor),
                                    MR_SPLAT(h->rotor_inertia[i] - rotor)};
     /* the square of a gear ratio that is written in decimals, times ddq_a: less than 8 u of its
-     * terms; and what underflow may take from it */
+     * terms; a follower's rate, 2 u; and what underflow may take from both */
     const double most = h->rotor_inertia[i], gear = reflected(model, i);
     const MR_REAL error = 0x1p-50 * (gear * most * ddq_a_size) +
+                          0x1p-51 * (h->viscous[i] * MR_ABS(dq)) +
                           MR_UNDER * ((1.0 + most) * (1.0 + gear) + h->viscous[i]) *
                               (1.0 + ddq_a_size);
     mr_interval sum = mr_i_add(mr_i_scale(dq, viscous_box),

@@ -5,6 +5,11 @@
 #include "mr_internal.h"
 #include "mr_rounding.h"
 
+/* A rate with its second-order terms; infinite where the proof ends. */
+static MR_REAL second_order(MR_REAL rate) {
+    return MR_SELECT(rate <= MR_RATE_MAX, rate * MR_SECOND_ORDER, MR_SPLAT((double)INFINITY));
+}
+
 static void widen(MR_REAL radius, mr_interval x[3]) {
     for (int k = 0; k < 3; ++k) x[k] = mr_i_widen(x[k], radius);
 }
@@ -16,12 +21,12 @@ static void rotate_box(const MR_REAL R[9], MR_REAL error, const mr_interval x[3]
     widen(error * mr_i_norm(x), out);
 }
 
-/* moment += lever (x) [force] for a lever that is known up to `error`. */
+/* moment += lever (x) [force] for a lever that is known up to `error` and underflow. */
 static void add_moment(MR_REAL l0, MR_REAL l1, MR_REAL l2, MR_REAL error,
                        const mr_interval force[3], mr_interval moment[3]) {
     mr_interval part[3];
     mr_i_cross_real(l0, l1, l2, force, part);
-    widen(error * mr_i_norm(force), part);
+    widen((error + MR_UNDER) * mr_i_norm(force), part);
     mr_i_accumulate(part, moment);
 }
 
@@ -60,7 +65,8 @@ static void add_body_box(const mr_model *model, const mr_bounds *bounds,
     for (int k = 0; k < 3; ++k) part[k] = mr_i_dot(w[0], w[1], w[2], rows + 3 * k);
     mr_i_cross_real(wa[0], wa[1], wa[2], part, turned);
     mr_i_accumulate(turned, N);
-    widen(motion_error * size->k * own->inertia + under * (1.0 + own->inertia), N);
+    widen(motion_error * size->k * own->inertia +
+              under * (1.0 + own->inertia + upper->mass[b]), N);
 
     if (mr_of_model(model)->placements != MR_IDENTITY) {
         MR_REAL R[9];
@@ -80,8 +86,9 @@ void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_si
               const mr_workspace *ws) {
     const double motion_rate = MR_MOTION_JOINT * mr_of_model(model)->depth + MR_MOTION_ONCE;
     const double defect = MR_DEFECTS * mr_of_model(model)->defect;
-    const MR_REAL motion_error = defect + MR_U * (motion_rate + 2.0 * size->followed);
-    const MR_REAL turn_error = defect + MR_U * (MR_ROTATION + size->followed);
+    const MR_REAL motion_error =
+        second_order(defect + MR_U * (motion_rate + 2.0 * size->followed));
+    const MR_REAL turn_error = second_order(defect + MR_U * (MR_ROTATION + size->followed));
     const mr_interval zero = {MR_SPLAT(0.0), MR_SPLAT(0.0)};
     mr_wrench_box *wrenches = ws->wrench.box;
     for (int32_t i = 0; i < model->j; ++i) /* 25 */

@@ -27,7 +27,8 @@ static double kind_of(const mr_transform *T) {
 }
 
 /* |R' R - 1| in the Frobenius norm, 0 where it is no more than nearest doubles of a rotation have.
- * Entries are cut in two, so that the products of their upper parts are exact. */
+ * Entries are cut in two, so that the products of their upper parts are exact, and what their sums
+ * lose is kept. */
 static double defect_of(const mr_transform *T) {
     double defect[9];
     for (int r = 0; r < 3; ++r)
@@ -35,8 +36,10 @@ static double defect_of(const mr_transform *T) {
             double upper = r == c ? -1.0 : 0.0, rest = 0.0;
             for (int k = 0; k < 9; k += 3) {
                 const double x = (double)(float)T->R[k + r], y = (double)(float)T->R[k + c];
-                upper += x * y;
+                const double product = x * y, sum = upper + product, added = sum - upper;
+                rest += (upper - (sum - added)) + (product - added);
                 rest += x * (T->R[k + c] - y) + (T->R[k + r] - x) * T->R[k + c];
+                upper = sum;
             }
             defect[3 * r + c] = upper + rest;
         }

@@ -56,6 +56,7 @@ mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state,
     MR_REAL dw = largest_norm(model, ws->motion + MR_DW * stride);
     MR_REAL a = largest_norm(model, ws->motion + MR_A * stride);
     MR_REAL turned = zero, v = zero, va = zero, dv = zero;
+    double followers = 1.0;
     mr_motion_size size;
     size.followed = size.out = zero;
     for (int32_t i = 0; i < model->j; ++i) {
@@ -83,11 +84,12 @@ mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state,
             size.followed += 3.0 * q;
         else
             size.out += q;
+        followers += fabs(model->multiplier[k]);
     }
     a += fabs(g[0]) + fabs(g[1]) + fabs(g[2]);
     size.k = dw + 2.0 * ((w + turned) * wa);
     size.a = a + dv + v * wa + va * w;
-    size.under = MR_UNDER * (1.0 + w + wa + turned);
+    size.under = (MR_UNDER * followers) * (1.0 + w + wa + turned + v + va + size.a + size.k);
     return size;
 }
 
@@ -99,6 +101,7 @@ void mr_rounding_slack(const mr_model *model, const mr_slack_factors *factors,
     const MR_REAL grown = 1.0 + MR_FOLLOWED * size->followed;
     const MR_REAL under = (size->under * way * way) * (1.0 + factors->heavy);
     const MR_MASK safe = (largest <= MR_HUGE) & (grown <= 0x1p20);
+    const double drive_rate = MR_U * (MR_DRIVE + (model->j - model->n)); /* their sums too */
     for (int32_t i = 0; i < model->j; ++i) {
         const mr_slack_constants *c = &constants[i];
         MR_REAL sum = size->a * c->a + size->k * c->k;
@@ -110,7 +113,7 @@ void mr_rounding_slack(const mr_model *model, const mr_slack_factors *factors,
             const double rotor = fabs(parameters->rotor_inertia[i]);
             const MR_REAL dq = MR_ABS(state->dq[i]);
             const MR_REAL ddq_a = mr_acceleration_size(state, i);
-            sum += (MR_U * MR_DRIVE) *
+            sum += drive_rate *
                    (viscous * dq + fabs(parameters->coulomb[i]) + (gear * rotor) * ddq_a);
             sum += MR_UNDER * ((1.0 + rotor) * (1.0 + gear) + viscous) * (1.0 + ddq_a);
         }
