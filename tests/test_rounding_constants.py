@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -22,7 +23,8 @@ def counted() -> dict[str, int]:
 
 def stated() -> dict[str, float]:
     """The constants of the kernel."""
-    return {name: float(x) for name, x in re.findall(r"^#define MR_(\w+) ([\d.]+)", HEADER, re.M)}
+    found = re.findall(r"^#define MR_(\w+) (?:\(1\.0 \+ )?([\dxp.-]+)", HEADER, re.M)
+    return {name: float.fromhex(x) if "x" in x else float(x) for name, x in found}
 
 
 def derived() -> dict[str, int]:
@@ -63,6 +65,7 @@ def derived() -> dict[str, int]:
         "CONSTANT_ROTATION": fixed,
         "CONSTANT_LEVER": e["constant lever"],
         "CONSTANT_AXIS": axis,
+        "NO_DEFECT": 2 * fixed,
         "ROTATION": rotation,
         "LEVER": lever,
         "MOTION_JOINT": spin,
@@ -83,6 +86,20 @@ def test_the_page_states_the_same_rates() -> None:
     for joint, once in (("NOMINAL_JOINT", "NOMINAL_ONCE"), ("CHANGE_JOINT", "CHANGE_ONCE")):
         assert f"({derived()[joint]}D + {derived()[once]} + b + 2j)" in PAGE
     assert f"$u({derived()['MOTION_JOINT']}D + {derived()['MOTION_ONCE']})$" in PAGE
+    assert f"({stated()['DRIVE']:.0f} + j - n)" in PAGE
+    assert stated()["DEFECTS"] == 8
+    assert "added to all rates eight times" in PAGE
+    assert f"\\varphi/{1 / stated()['FOLLOWED']:.0f}$" in PAGE
+    for name in ("SECOND_ORDER", "RATE_MAX", "UNDER", "HUGE"):
+        assert f"$2^{{{math.log2(stated()[name]):.0f}}}$" in PAGE, name
+
+
+def test_the_angles_of_followers_are_within_the_growth_of_the_rates() -> None:
+    rates = derived()
+    for uses, kind in ((3, "NOMINAL"), (7, "CHANGE")):
+        least = rates[f"{kind}_JOINT"] + rates[f"{kind}_ONCE"]
+        assert f"{least} " in PAGE or f"{least})" in PAGE
+        assert uses * math.sqrt(2) <= least * stated()["FOLLOWED"]
 
 
 def test_a_changed_count_changes_a_constant(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,5 +1,5 @@
-/* The constants of the rounding bound. docs/guarantees.md derives every one of them from counts of
- * operations, and a test derives them again. In units of u, the rounding to nearest. */
+/* The constants of the rounding bound. docs/guarantees.md derives them from counts of operations; a
+ * test adds them up again and compares all with that page. In units of u, the rounding to nearest. */
 #ifndef MR_ROUNDING_H
 #define MR_ROUNDING_H
 
@@ -27,9 +27,9 @@
 #define MR_SECOND_ORDER (1.0 + 0x1p-19)
 #define MR_RATE_MAX 0x1p-21
 
-#define MR_DRIVE 32.0 /* torque of a drive, and its part in the sums */
+#define MR_DRIVE 32.0 /* torque of a drive, and its part in the sums but those over followers */
 
-/* What a follower's angle can add to the whole: 3 turns to a rate above 155, or 7 to one of 683. */
+/* What a follower's angle can add to the whole: 3 turns to a rate of 156, or 7 to one of 683. */
 #define MR_FOLLOWED 0x1p-4
 
 /* More than all that underflow takes away, 2^-1075 at a time, before the factors that follow. */
