@@ -68,6 +68,7 @@ static void uncertain_body(const mr_model *model, const mr_bounds *bounds, int32
         body->w[k] = from[(MR_W + k) * stride];
         body->wa[k] = from[(MR_WA + k) * stride];
         body->dw[k] = from[(MR_DW + k) * stride];
+        body->e[k] = from[(MR_E + k) * stride];
     }
     for (size_t k = 0; k < 9; ++k) body->L[k] = from[(MR_L + k) * stride];
     mr_copy(pose->origin, body->com);
@@ -80,8 +81,6 @@ static void uncertain_body(const mr_model *model, const mr_bounds *bounds, int32
     }
     mr_rotate(body->R, com, arm);
     mr_add(arm, body->com);
-    mr_rotate(body->L, com, body->e);
-    for (size_t k = 0; k < 3; ++k) body->e[k] += from[(MR_A + k) * stride];
 }
 
 /* Range of one body's torque on the joint of each lane, less the nominal, (18). */

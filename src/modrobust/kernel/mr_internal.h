@@ -123,8 +123,9 @@ typedef struct {
 /* Components of the motion of links and bodies, in arrays: angular velocity (lines 13 and 18), the
  * auxiliary one (14, 19), angular acceleration (15, 20), acceleration less gravity (16, 21). */
 enum { MR_W = 0, MR_WA = 3, MR_DW = 6, MR_A = 9, MR_MOTION = 12 };
-/* Those of a body go on: L of (16), and force and moment in link axes about the link's origin. */
-enum { MR_L = 12, MR_F = 21, MR_N = 24, MR_BODY = 27 };
+/* Those of a body go on: L of (16), acceleration of the nominal COM less gravity, and force and
+ * moment in link axes about the link's origin. */
+enum { MR_L = 12, MR_E = 21, MR_F = 24, MR_N = 27, MR_BODY = 30 };
 
 typedef struct {
     MR_REAL f[3], n[3];

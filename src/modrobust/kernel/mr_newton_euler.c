@@ -55,13 +55,14 @@ static inline void body_block(const mr_model *model, const double *point, const 
             mr_copy(turned, motion + v);
         }
     }
-    mr_lane c[3], I[6], L[9], F[3], N[3], Iw[3];
+    mr_lane c[3], I[6], L[9], e[3], F[3], N[3], Iw[3];
     const mr_lane mass = MR_TAKE_CONSTANT(point, b);
     for (size_t k = 0; k < 3; ++k) c[k] = MR_TAKE_CONSTANT(point + (1 + k) * stride, b);
     for (size_t k = 0; k < 6; ++k) I[k] = MR_TAKE_CONSTANT(point + (4 + k) * stride, b);
     acceleration_matrix(w, wa, dw, L);
-    mr_rotate(L, c, F);
-    for (int k = 0; k < 3; ++k) F[k] = mass * (a[k] + F[k]); /* 23, 27 */
+    mr_rotate(L, c, e);
+    mr_add(a, e); /* 23 */
+    for (int k = 0; k < 3; ++k) F[k] = mass * e[k]; /* 27 */
     mr_symmetric(I, dw, N);                                  /* 30 */
     mr_symmetric(I, w, Iw);
     mr_add_cross(wa, Iw, N);
@@ -77,6 +78,7 @@ static inline void body_block(const mr_model *model, const double *point, const 
     for (size_t k = 0; k < MR_MOTION; ++k) MR_PUT(motion[k], bodies + k * stride, b);
     for (size_t k = 0; k < 9; ++k) MR_PUT(L[k], bodies + (MR_L + k) * stride, b);
     for (size_t k = 0; k < 3; ++k) {
+        MR_PUT(e[k], bodies + (MR_E + k) * stride, b);
         MR_PUT(F[k], bodies + (MR_F + k) * stride, b);
         MR_PUT(N[k], bodies + (MR_N + k) * stride, b);
     }
