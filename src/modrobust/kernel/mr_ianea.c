@@ -1,129 +1,235 @@
 /* IANEA*: Algorithm 1 of the paper from line 23 on, several bodies a link. Line numbers at right.
  *
- * Every interval operation encloses its rounding. The motion, the rotations and the levers are
- * real numbers with an error of their own: boxes are widened by it, (27). */
+ * Boxes are mid +- rad: what is linear, with real factors, takes mid as any vector and rad by the
+ * factors' sizes, which is the same box as by lower and upper ends. All rounding, that of mid and of
+ * the motion, the rotations and the levers, is put into rad, (27). */
 #include "mr_internal.h"
 #include "mr_rounding.h"
 
+/* a (x) b by sizes: the radius of a cross product with a box of radius b */
+#define ADD_CROSS_SIZES(a, b, out)                     \
+    do {                                               \
+        (out)[0] += (a)[1] * (b)[2] + (a)[2] * (b)[1]; \
+        (out)[1] += (a)[2] * (b)[0] + (a)[0] * (b)[2]; \
+        (out)[2] += (a)[0] * (b)[1] + (a)[1] * (b)[0]; \
+    } while (0)
+
+#define SIZES_3(ABS, x) {ABS((x)[0]), ABS((x)[1]), ABS((x)[2])}
+
+/* A bound of the norm of every point of a box. */
+#define BOX_NORM(ABS, mid, rad)                              \
+    (((ABS((mid)[0]) + ABS((mid)[1])) + ABS((mid)[2])) +     \
+     (((rad)[0] + (rad)[1]) + (rad)[2]))
+
+/* out = R box, with `error` of every point's norm on top */
+#define ROTATE_BOX(NUMBER, ABS, R, error, mid, rad, out_mid, out_rad)                      \
+    do {                                                                                   \
+        const NUMBER more_ = (error) * BOX_NORM(ABS, mid, rad) + MR_ETA;                   \
+        mr_rotate(R, mid, out_mid);                                                        \
+        for (int k_ = 0; k_ < 3; ++k_)                                                     \
+            (out_rad)[k_] = ((ABS((R)[3 * k_]) * (rad)[0] + ABS((R)[3 * k_ + 1]) * (rad)[1]) + \
+                             ABS((R)[3 * k_ + 2]) * (rad)[2]) + more_;                     \
+    } while (0)
+
+/* moment += lever (x) force, with `error` of every force's norm on top */
+#define ADD_MOMENT(NUMBER, ABS, lever, error, f_mid, f_rad, n_mid, n_rad)                  \
+    do {                                                                                   \
+        const NUMBER long_[3] = SIZES_3(ABS, lever);                                       \
+        const NUMBER more_ = (error) * BOX_NORM(ABS, f_mid, f_rad) + MR_ETA;               \
+        mr_add_cross(lever, f_mid, n_mid);                                                 \
+        ADD_CROSS_SIZES(long_, f_rad, n_rad);                                              \
+        for (int k_ = 0; k_ < 3; ++k_) (n_rad)[k_] += more_;                               \
+    } while (0)
+
+/* The product of two intervals, exactly the range of its four corners. */
+static inline void product(mr_lane x, mr_lane x_rad, mr_lane y, mr_lane y_rad, mr_lane *mid,
+                           mr_lane *rad) {
+    const mr_lane a = x_rad * y, b = x * y_rad, c = x_rad * y_rad;
+    const mr_lane same = MR_LANE_ABS(a + b), other = MR_LANE_ABS(a - b);
+    const mr_lane up_same = same + c, up_other = other - c;
+    const mr_lane down_same = same - c, down_other = other + c;
+    const mr_lane up = MR_LANE_SELECT(up_same > up_other, up_same, up_other);
+    const mr_lane down = MR_LANE_SELECT(down_same > down_other, down_same, down_other);
+    *mid = x * y + 0.5 * (up - down);
+    *rad = 0.5 * (up + down);
+}
+
 /* A rate with its second-order terms; infinite where the proof ends. */
-static MR_REAL second_order(MR_REAL rate) {
+static inline MR_REAL second_order(MR_REAL rate) {
     return MR_SELECT(rate <= MR_RATE_MAX, rate * MR_SECOND_ORDER, MR_SPLAT((double)INFINITY));
 }
 
-static void widen(MR_REAL radius, mr_interval x[3]) {
-    for (int k = 0; k < 3; ++k) x[k] = mr_i_widen(x[k], radius);
-}
-
-/* out = R [x] for a rotation R that is known up to `error` in the Frobenius norm. */
-static void rotate_box(const MR_REAL R[9], MR_REAL error, const mr_interval x[3],
-                       mr_interval out[3]) {
-    for (int k = 0; k < 3; ++k) out[k] = mr_i_dot(R[3 * k], R[3 * k + 1], R[3 * k + 2], x);
-    widen(error * mr_i_norm(x), out);
-}
-
-/* moment += lever (x) [force] for a lever that is known up to `error` and underflow. */
-static void add_moment(MR_REAL l0, MR_REAL l1, MR_REAL l2, MR_REAL error,
-                       const mr_interval force[3], mr_interval moment[3]) {
-    mr_interval part[3];
-    mr_i_cross_real(l0, l1, l2, force, part);
-    widen((error + MR_UNDER) * mr_i_norm(force), part);
-    mr_i_accumulate(part, moment);
-}
-
-static void add_body_box(const mr_model *model, const mr_bounds *bounds,
-                         const mr_motion_size *size, MR_REAL motion_error, int32_t b,
-                         const MR_REAL *bodies, mr_wrench_box *link) {
-    const mr_parameters *lower = &bounds->lower, *upper = &bounds->upper;
-    const mr_transform *T = &model->placement[b];
-    const mr_body_sizes *own = &mr_sizes_of_bodies(model, bounds)[b];
-    mr_interval c[3], I[6], F[3], N[3], part[3], turned[3];
-    MR_REAL m[MR_MOTION];
-    const MR_REAL *w = m + MR_W, *wa = m + MR_WA, *dw = m + MR_DW, *a = m + MR_A;
-    for (size_t k = 0; k < MR_MOTION; ++k) m[k] = bodies[k * mr_body_stride(model) + (size_t)b];
-    for (int k = 0; k < 3; ++k) /* 5 */
-        c[k] = (mr_interval){MR_SPLAT(lower->com[3 * b + k]), MR_SPLAT(upper->com[3 * b + k])};
-    for (int k = 0; k < 6; ++k)
-        I[k] = (mr_interval){MR_SPLAT(lower->inertia[6 * b + k]),
-                             MR_SPLAT(upper->inertia[6 * b + k])};
-
-    for (int k = 0; k < 3; ++k) F[k] = (mr_interval){a[k], a[k]}; /* 23 */
-    mr_i_cross_real(dw[0], dw[1], dw[2], c, part);
-    mr_i_accumulate(part, F);
-    mr_i_cross_real(wa[0], wa[1], wa[2], c, part);
-    mr_i_cross_real(w[0], w[1], w[2], part, turned);
-    mr_i_accumulate(turned, F);
-    const MR_REAL way = own->reach + size->out;
-    const MR_REAL under = size->under * (1.0 + way) * (1.0 + way);
-    widen(motion_error * (size->a + size->k * way) + under, F);
-    const mr_interval mass = {MR_SPLAT(lower->mass[b]), MR_SPLAT(upper->mass[b])};
-    for (int k = 0; k < 3; ++k) F[k] = mr_i_mul(mass, F[k]); /* 27 */
-
-    mr_i_cross(c, F, N);                                     /* 29 */
-    const mr_interval rows[9] = {I[0], I[1], I[2], I[1], I[3], I[4], I[2], I[4], I[5]};
-    for (int k = 0; k < 3; ++k)
-        N[k] = mr_i_add(N[k], mr_i_dot(dw[0], dw[1], dw[2], rows + 3 * k)); /* 30 */
-    for (int k = 0; k < 3; ++k) part[k] = mr_i_dot(w[0], w[1], w[2], rows + 3 * k);
-    mr_i_cross_real(wa[0], wa[1], wa[2], part, turned);
-    mr_i_accumulate(turned, N);
-    widen(motion_error * size->k * own->inertia +
-              under * (1.0 + own->inertia + upper->mass[b]), N);
-
-    if (mr_of_model(model)->placements != MR_IDENTITY) {
-        MR_REAL R[9];
-        for (int k = 0; k < 9; ++k) R[k] = MR_SPLAT(T->R[k]);
-        rotate_box(R, MR_SPLAT(MR_CONSTANT_ROTATION * MR_U), F, turned);
-        rotate_box(R, MR_SPLAT(MR_CONSTANT_ROTATION * MR_U), N, part);
-        for (int k = 0; k < 3; ++k) F[k] = turned[k], N[k] = part[k];
-        const double length = fabs(T->p[0]) + fabs(T->p[1]) + fabs(T->p[2]);
-        add_moment(MR_SPLAT(T->p[0]), MR_SPLAT(T->p[1]), MR_SPLAT(T->p[2]),
-                   MR_SPLAT(MR_CONSTANT_LEVER * MR_U * length), F, N);
+/* Force and moment of a register of bodies, in link axes about the link's origin. */
+static inline void body_box(const mr_model *model, const mr_bounds *bounds,
+                              const mr_motion_size *size, MR_REAL error, MR_REAL *bodies,
+                              int32_t b) {
+    const size_t stride = mr_body_stride(model);
+    const double *box = mr_ranges(model, bounds);
+    mr_lane from[MR_E], point[MR_POINT], radius[MR_POINT], sizes[3];
+    for (size_t k = 0; k < MR_E; ++k) from[k] = MR_TAKE(bodies + k * stride, b);
+    for (size_t k = 0; k < MR_POINT; ++k) {
+        point[k] = MR_TAKE_CONSTANT(box + k * stride, b);
+        radius[k] = MR_TAKE_CONSTANT(box + (MR_POINT + k) * stride, b);
     }
-    mr_i_accumulate(F, link->f);
-    mr_i_accumulate(N, link->n);
+    for (size_t k = 0; k < 3; ++k)
+        sizes[k] = MR_TAKE_CONSTANT(box + (2 * MR_POINT + k) * stride, b);
+    const mr_lane *w = from + MR_W, *wa = from + MR_WA, *dw = from + MR_DW;
+    const mr_lane *a = from + MR_A, *L = from + MR_L;
+    const mr_lane mass = point[0], mass_rad = radius[0]; /* 5 */
+    const mr_lane *c = point + 1, *c_rad = radius + 1, *I = point + 4, *I_rad = radius + 4;
+    const mr_lane w_size[3] = SIZES_3(MR_LANE_ABS, w), wa_size[3] = SIZES_3(MR_LANE_ABS, wa);
+    const mr_lane dw_size[3] = SIZES_3(MR_LANE_ABS, dw), zero = MR_LANE_SPLAT(0.0);
+    mr_lane e[3], e_rad[3] = {zero, zero, zero}, turned[3] = {zero, zero, zero};
+    mr_lane F[3], F_rad[3], N[3], N_rad[3], Iw[3], Iw_rad[3];
+
+    mr_rotate(L, c, e); /* 23 */
+    mr_add(a, e);
+    ADD_CROSS_SIZES(dw_size, c_rad, e_rad);
+    ADD_CROSS_SIZES(wa_size, c_rad, turned);
+    ADD_CROSS_SIZES(w_size, turned, e_rad);
+    for (int k = 0; k < 3; ++k) { /* 27: no mass is negative */
+        const mr_lane above = MR_LANE_ABS(e[k] + e_rad[k]), below = MR_LANE_ABS(e[k] - e_rad[k]);
+        F[k] = mass * e[k] + 0.5 * (mass_rad * (above - below));
+        F_rad[k] = mass * e_rad[k] + 0.5 * (mass_rad * (above + below));
+    }
+    mr_symmetric(I, dw, N); /* 30 */
+    mr_symmetric(I_rad, dw_size, N_rad);
+    mr_symmetric(I, w, Iw);
+    mr_symmetric(I_rad, w_size, Iw_rad);
+    mr_add_cross(wa, Iw, N);
+    ADD_CROSS_SIZES(wa_size, Iw_rad, N_rad);
+    for (int k = 0; k < 3; ++k) { /* 29 */
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        mr_lane first, first_rad, second, second_rad;
+        product(c[i], c_rad[i], F[j], F_rad[j], &first, &first_rad);
+        product(c[j], c_rad[j], F[i], F_rad[i], &second, &second_rad);
+        N[k] += first - second;
+        N_rad[k] += first_rad + second_rad;
+    }
+
+    const mr_lane heavy = mass + mass_rad, reach = sizes[0], lever = sizes[1], inertia = sizes[2];
+    const mr_lane way = reach + size->out, force = heavy * (size->a + size->k * way);
+    const mr_lane under = size->under * ((1.0 + way) * (1.0 + way)) * (1.0 + heavy);
+    const mr_lane F_more = error * force + under;
+    const mr_lane N_more =
+        error * (lever * force + size->k * inertia) + (under * (1.0 + lever)) * (1.0 + inertia);
+    for (int k = 0; k < 3; ++k) {
+        F_rad[k] += F_more;
+        N_rad[k] += N_more;
+    }
+    if (mr_of_model(model)->placements != MR_IDENTITY) {
+        const double *T = mr_placements(model);
+        mr_lane R[9], p[3], f[3], f_rad[3], n[3], n_rad[3];
+        for (size_t k = 0; k < 9; ++k) R[k] = MR_TAKE_CONSTANT(T + k * stride, b);
+        for (size_t k = 0; k < 3; ++k) p[k] = MR_TAKE_CONSTANT(T + (9 + k) * stride, b);
+        const double turn = (MR_CONSTANT_ROTATION + MR_BOX_TURN) * MR_U;
+        const mr_lane length = (MR_LANE_ABS(p[0]) + MR_LANE_ABS(p[1])) + MR_LANE_ABS(p[2]);
+        const mr_lane moment = ((MR_CONSTANT_LEVER + MR_BOX_MOMENT) * MR_U) * length + MR_UNDER;
+        ROTATE_BOX(mr_lane, MR_LANE_ABS, R, turn, F, F_rad, f, f_rad);
+        ROTATE_BOX(mr_lane, MR_LANE_ABS, R, turn, N, N_rad, n, n_rad);
+        ADD_MOMENT(mr_lane, MR_LANE_ABS, p, moment, f, f_rad, n, n_rad);
+        mr_copy(f, F);
+        mr_copy(f_rad, F_rad);
+        mr_copy(n, N);
+        mr_copy(n_rad, N_rad);
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        MR_PUT(F[k], bodies + (MR_BOX + k) * stride, b);
+        MR_PUT(F_rad[k], bodies + (MR_BOX + 3 + k) * stride, b);
+        MR_PUT(N[k], bodies + (MR_BOX + 6 + k) * stride, b);
+        MR_PUT(N_rad[k], bodies + (MR_BOX + 9 + k) * stride, b);
+    }
+}
+
+/* sum += x */
+static inline void accumulate(const MR_REAL mid[3], const MR_REAL rad[3], MR_REAL sum_mid[3],
+                              MR_REAL sum_rad[3]) {
+    for (int k = 0; k < 3; ++k) {
+        sum_mid[k] += mid[k];
+        sum_rad[k] = (sum_rad[k] + rad[k]) + MR_PHI * MR_ABS(sum_mid[k]);
+    }
+}
+
+static void add_box(const mr_wrench_box *x, mr_wrench_box *sum) {
+    accumulate(x->f, x->f_rad, sum->f, sum->f_rad);
+    accumulate(x->n, x->n_rad, sum->n, sum->n_rad);
+}
+
+static void sum_of_bodies(const mr_model *model, const mr_workspace *ws) {
+    const size_t stride = mr_body_stride(model);
+    mr_wrench_box *wrenches = ws->wrench.box;
+    for (int32_t i = 0; i < model->j; ++i) /* 25 */
+        for (int k = 0; k < 3; ++k)
+            wrenches[i].f[k] = wrenches[i].f_rad[k] = wrenches[i].n[k] = wrenches[i].n_rad[k] =
+                MR_SPLAT(0.0);
+    for (int32_t b = 0; b < model->b; ++b) {
+        if (model->body_joint[b] < 0) continue;
+        const MR_REAL *from = ws->bodies + MR_BOX * stride + b;
+        mr_wrench_box own;
+        for (size_t k = 0; k < 3; ++k) {
+            own.f[k] = from[k * stride];
+            own.f_rad[k] = from[(3 + k) * stride];
+            own.n[k] = from[(6 + k) * stride];
+            own.n_rad[k] = from[(9 + k) * stride];
+        }
+        add_box(&own, &wrenches[model->body_joint[b]]);
+    }
 }
 
 void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_size *size,
               const mr_workspace *ws) {
-    const double motion_rate = MR_MOTION_JOINT * mr_of_model(model)->depth + MR_MOTION_ONCE;
+    const double depth = mr_of_model(model)->depth, summed = model->b + model->j;
     const double defect = MR_DEFECTS * mr_of_model(model)->defect;
-    const MR_REAL motion_error =
-        second_order(defect + MR_U * (motion_rate + 2.0 * size->followed));
-    const MR_REAL turn_error = second_order(defect + MR_U * (MR_ROTATION + size->followed));
-    const mr_interval zero = {MR_SPLAT(0.0), MR_SPLAT(0.0)};
+    const double body_rate = MR_MOTION_JOINT * depth + MR_MOTION_ONCE + MR_BOX_BODY;
+    const MR_REAL body_error = second_order(defect + MR_U * (body_rate + 2.0 * size->followed));
+    const MR_REAL turn_error =
+        second_order(defect + MR_U * (MR_ROTATION + MR_BOX_TURN + size->followed));
+    const double grown =
+        1.0 + MR_U * (MR_RADIUS_JOINT * depth + MR_RADIUS_ONCE + MR_RADIUS_SUM * summed);
     mr_wrench_box *wrenches = ws->wrench.box;
-    for (int32_t i = 0; i < model->j; ++i) /* 25 */
-        for (int k = 0; k < 3; ++k) wrenches[i].f[k] = wrenches[i].n[k] = zero;
-    for (int32_t b = 0; b < model->b; ++b)
-        if (model->body_joint[b] >= 0)
-            add_body_box(model, bounds, size, motion_error, b, ws->bodies,
-                         &wrenches[model->body_joint[b]]);
+    mr_wrench_box carried; /* to `parent` */
+    int32_t parent = -1;
+    for (int32_t b = 0; b < model->b; b += MR_BLOCK)
+        body_box(model, bounds, size, body_error, ws->bodies, b);
+    sum_of_bodies(model, ws);
 
     for (int32_t i = model->j - 1; i >= 0; --i) { /* 26 */
         const mr_link *link = &ws->links[i];
-        const double *z = model->after[i].R + 6, *lever = model->before[i].p;
+        const double *z = model->after[i].R + 6, *before = model->before[i].p;
         const mr_joint_constants *constants = &mr_of_joints(model)[i];
-        const MR_REAL z_error = MR_SPLAT(MR_CONSTANT_AXIS * MR_U);
-        mr_wrench_box *own = &wrenches[i];
-        mr_interval f[3], n[3];
+        const double z_size[3] = SIZES_3(fabs, z);
         MR_REAL length = MR_SPLAT(constants->lever_norm);
+        if (parent >= 0 && parent != i) add_box(&carried, &wrenches[parent]); /* a branch */
+        mr_wrench_box own = wrenches[i];
+        if (parent == i) add_box(&carried, &own);
         if (model->joint_type[i] != MR_REVOLUTE) length += size->out;
-        add_moment(link->p[0], link->p[1], link->p[2], MR_LEVER * MR_U * length, own->f,
-                   own->n); /* 30 */
-        const mr_interval *along = model->joint_type[i] == MR_REVOLUTE ? own->n : own->f;
-        const mr_interval u = mr_i_widen(
-            mr_i_dot(MR_SPLAT(z[0]), MR_SPLAT(z[1]), MR_SPLAT(z[2]), along), /* 32, 34 */
-            z_error * mr_i_norm(along));
-        ws->lo[i] = u.lo;
-        ws->hi[i] = u.hi;
-        if (model->parent[i] < 0) continue;
-        mr_wrench_box *parent = &wrenches[model->parent[i]];
-        rotate_box(link->R, turn_error, own->f, f); /* 28 */
-        rotate_box(link->R, turn_error, own->n, n); /* 29 */
-        if (constants->before != MR_IDENTITY)
-            add_moment(MR_SPLAT(lever[0]), MR_SPLAT(lever[1]), MR_SPLAT(lever[2]),
-                       MR_SPLAT(MR_CONSTANT_LEVER * MR_U * constants->before_norm), f, n);
-        mr_i_accumulate(f, parent->f);
-        mr_i_accumulate(n, parent->n);
+        const MR_REAL lever_error = (MR_U * (MR_LEVER + MR_BOX_MOMENT)) * length + MR_UNDER;
+        ADD_MOMENT(MR_REAL, MR_ABS, link->p, lever_error, own.f, own.f_rad, own.n,
+                   own.n_rad); /* 30 */
+        const int revolute = model->joint_type[i] == MR_REVOLUTE;
+        const MR_REAL *along = revolute ? own.n : own.f;
+        const MR_REAL *along_rad = revolute ? own.n_rad : own.f_rad;
+        const MR_REAL mid = mr_dot(along, z); /* 32, 34 */
+        const MR_REAL rad = mr_dot(along_rad, z_size) +
+                            (MR_U * (MR_CONSTANT_AXIS + MR_BOX_AXIS)) *
+                                BOX_NORM(MR_ABS, along, along_rad) + MR_ETA;
+        ws->lo[i] = mr_down(mid - rad * grown);
+        ws->hi[i] = mr_up(mid + rad * grown);
+        parent = model->parent[i];
+        if (parent < 0) continue;
+        ROTATE_BOX(MR_REAL, MR_ABS, link->R, turn_error, own.f, own.f_rad, carried.f,
+                   carried.f_rad); /* 28 */
+        ROTATE_BOX(MR_REAL, MR_ABS, link->R, turn_error, own.n, own.n_rad, carried.n,
+                   carried.n_rad); /* 29 */
+        if (constants->before != MR_IDENTITY) {
+            const double error = (MR_U * (MR_CONSTANT_LEVER + MR_BOX_MOMENT)) *
+                                     constants->before_norm + MR_UNDER;
+            const double size_of[3] = SIZES_3(fabs, before);
+            const MR_REAL more = error * BOX_NORM(MR_ABS, carried.f, carried.f_rad) + MR_ETA;
+            mr_add_cross(before, carried.f, carried.n);
+            ADD_CROSS_SIZES(size_of, carried.f_rad, carried.n_rad);
+            for (int k = 0; k < 3; ++k) carried.n_rad[k] += more;
+        }
     }
 }
 

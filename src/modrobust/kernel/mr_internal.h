@@ -69,11 +69,10 @@ typedef struct {
     double reach, heavy;
 } mr_slack_factors;
 
-/* What an interval pass needs to know of one body: the farthest COM from the base, and the largest
- * inertia in its box. */
-typedef struct {
-    double reach, inertia;
-} mr_body_sizes;
+/* What an interval pass needs to know of the bodies, component by component (23, b padded): the
+ * middle of the box of parameters as a point, its radius, and three sizes for (27): the way from the
+ * base to the farthest COM and four radii, twice the COM's, the largest inertia and four radii. */
+#define MR_RANGE (2 * MR_POINT + 3)
 
 /* An uncertain body's box as differences from nominal: shift +- radius. */
 typedef struct {
@@ -84,7 +83,7 @@ typedef struct {
     double com_uncertain, inertia_uncertain; /* 0 where there is no shift and no radius */
 } mr_body_box;
 
-/* mr_bounds.prepared: the factors, the nominal point, slack (j), sizes (b), and the boxes of the
+/* mr_bounds.prepared: the factors, the nominal point, the ranges, slack (j), and the boxes of the
  * uncertain bodies. */
 static inline const mr_slack_factors *mr_factors(const mr_bounds *bounds) {
     return (const mr_slack_factors *)bounds->prepared;
@@ -99,19 +98,18 @@ static inline const double *mr_nominal_point(const mr_bounds *bounds) {
     return (const double *)(mr_factors(bounds) + 1);
 }
 
-static inline const mr_slack_constants *mr_hull_slack_constants(const mr_model *model,
-                                                                const mr_bounds *bounds) {
-    return (const mr_slack_constants *)(mr_nominal_point(bounds) +
-                                        MR_POINT * mr_body_stride(model));
+static inline const double *mr_ranges(const mr_model *model, const mr_bounds *bounds) {
+    return mr_nominal_point(bounds) + MR_POINT * mr_body_stride(model);
 }
 
-static inline const mr_body_sizes *mr_sizes_of_bodies(const mr_model *model,
-                                                      const mr_bounds *bounds) {
-    return (const mr_body_sizes *)(mr_hull_slack_constants(model, bounds) + model->j);
+static inline const mr_slack_constants *mr_hull_slack_constants(const mr_model *model,
+                                                                const mr_bounds *bounds) {
+    return (const mr_slack_constants *)(mr_ranges(model, bounds) +
+                                        MR_RANGE * mr_body_stride(model));
 }
 
 static inline const mr_body_box *mr_boxes(const mr_model *model, const mr_bounds *bounds) {
-    return (const mr_body_box *)(mr_sizes_of_bodies(model, bounds) + model->b);
+    return (const mr_body_box *)(mr_hull_slack_constants(model, bounds) + model->j);
 }
 
 /* One link after the forward recursion of Algorithm 1, in its own frame. */
@@ -126,13 +124,15 @@ enum { MR_W = 0, MR_WA = 3, MR_DW = 6, MR_A = 9, MR_MOTION = 12 };
 /* Those of a body go on: L of (16), acceleration of the nominal COM less gravity, and force and
  * moment in link axes about the link's origin. */
 enum { MR_L = 12, MR_E = 21, MR_F = 24, MR_N = 27, MR_BODY = 30 };
+/* Their boxes, (12), which `ianea` puts where NE* has left L and what depends on it. */
+enum { MR_BOX = MR_L };
 
 typedef struct {
     MR_REAL f[3], n[3];
 } mr_wrench;
 
 typedef struct {
-    mr_interval f[3], n[3];
+    MR_REAL f[3], f_rad[3], n[3], n_rad[3]; /* middle and radius */
 } mr_wrench_box;
 
 /* Upper bounds of Euclidean norms at one state, (25). */

@@ -71,6 +71,7 @@ void mr_forward_recursion(const mr_model *model, const mr_state *state, const mr
     const size_t stride = mr_joint_stride(model);
     MR_REAL from[MR_MOTION], *a = from + MR_A; /* motion of the link before, then of link i */
     MR_REAL *w = from + MR_W, *wa = from + MR_WA, *dw = from + MR_DW;
+    for (int k = 0; k < MR_MOTION; ++k) from[k] = MR_SPLAT(0.0);
     mr_all_sines(model, state->q, ws->sines);
     for (int32_t i = 0; i < model->j; ++i) {
         mr_link *link = &ws->links[i];

@@ -239,10 +239,9 @@ void mr_point_slack(const mr_model *model, const mr_parameters *parameters, doub
 }
 
 size_t mr_prepared_size(const mr_model *model) {
-    return DOUBLES(mr_slack_factors) + MR_POINT * mr_body_stride(model) +
+    return DOUBLES(mr_slack_factors) + (MR_POINT + MR_RANGE) * mr_body_stride(model) +
            (size_t)model->j * DOUBLES(mr_slack_constants) +
-           (size_t)model->b * (DOUBLES(mr_body_sizes) + DOUBLES(mr_body_box)) +
-           mr_slack_work(model);
+           (size_t)model->b * DOUBLES(mr_body_box) + mr_slack_work(model);
 }
 
 static int is_box(size_t count, double least, const double *lo, const double *nominal,
@@ -266,28 +265,56 @@ static int is_bounds(const mr_model *model, const mr_bounds *bounds) {
            (!d_lo || is_box(n, -DBL_MAX, d_lo, d_lo, d_hi));
 }
 
+/* [lo, hi] as middle +- radius, which contains it. */
+static void middle_of(double lo, double hi, double *middle, double *radius) {
+    *middle = lo == hi ? lo : 0.5 * lo + 0.5 * hi;
+    *radius = fmax(hi - *middle, *middle - lo) * (1.0 + 0x1p-50);
+}
+
+/* (MR_RANGE, b padded) */
+static void ranges_of(const mr_model *model, const mr_bounds *bounds, const sums *links,
+                      double *ranges) {
+    const mr_parameters *l = &bounds->lower, *h = &bounds->upper;
+    const size_t stride = mr_body_stride(model);
+    for (size_t k = 0; k < MR_RANGE * stride; ++k) ranges[k] = 0.0;
+    for (int32_t b = 0; b < model->b; ++b) {
+        const int32_t joint = model->body_joint[b];
+        double lo[MR_POINT], hi[MR_POINT], middle[MR_POINT], radius[MR_POINT], most[MR_POINT];
+        lo[0] = l->mass[b];
+        hi[0] = h->mass[b];
+        for (int32_t k = 0; k < 3; ++k) {
+            lo[1 + k] = l->com[3 * b + k];
+            hi[1 + k] = h->com[3 * b + k];
+        }
+        for (int32_t k = 0; k < 6; ++k) {
+            lo[4 + k] = l->inertia[6 * b + k];
+            hi[4 + k] = h->inertia[6 * b + k];
+        }
+        for (size_t k = 0; k < MR_POINT; ++k) {
+            middle_of(lo[k], hi[k], &middle[k], &radius[k]);
+            most[k] = fabs(middle[k]) + radius[k];
+            ranges[k * stride + (size_t)b] = middle[k];
+            ranges[(MR_POINT + k) * stride + (size_t)b] = radius[k];
+        }
+        double *sizes = ranges + 2 * MR_POINT * stride + (size_t)b;
+        sizes[0] = (joint < 0 ? 0.0 : links[joint].reach) + norm_up(3, model->placement[b].p) +
+                   norm_up(3, most + 1) + 4.0 * norm_up(3, radius + 1);
+        sizes[stride] = 2.0 * norm_up(3, most + 1);
+        sizes[2 * stride] = inertia_norm(most + 4) + 4.0 * inertia_norm(radius + 4);
+    }
+}
+
 void mr_do_prepare(const mr_model *model, const mr_bounds *bounds, double *prepared) {
+    const size_t stride = mr_body_stride(model);
     mr_slack_factors *factors = (mr_slack_factors *)prepared;
-    double *point = (double *)(factors + 1);
-    mr_slack_constants *slack = (mr_slack_constants *)(point + MR_POINT * mr_body_stride(model));
-    mr_body_sizes *sizes = (mr_body_sizes *)(slack + model->j);
-    mr_body_box *boxes = (mr_body_box *)(sizes + model->b);
+    double *point = (double *)(factors + 1), *ranges = point + MR_POINT * stride;
+    mr_slack_constants *slack = (mr_slack_constants *)(ranges + MR_RANGE * stride);
+    mr_body_box *boxes = (mr_body_box *)(slack + model->j);
     sums *work = (sums *)(boxes + model->b);
     mr_point_of(model, &bounds->nominal, point);
     weigh(model, &bounds->nominal, bounds, (double *)work, factors, slack);
     if (!is_bounds(model, bounds) || mr_of_model(model)->poison != 0.0) factors->reach = NAN;
-    for (int32_t b = 0; b < model->b; ++b) {
-        const int32_t i = model->body_joint[b];
-        double com[3], inertia[6];
-        for (int32_t k = 0; k < 3; ++k)
-            com[k] = fmax(fabs(bounds->lower.com[3 * b + k]), fabs(bounds->upper.com[3 * b + k]));
-        for (int32_t k = 0; k < 6; ++k)
-            inertia[k] = fmax(fabs(bounds->lower.inertia[6 * b + k]),
-                              fabs(bounds->upper.inertia[6 * b + k]));
-        sizes[b].reach = (i < 0 ? 0.0 : work[i].reach) + norm_up(3, model->placement[b].p) +
-                         norm_up(3, com);
-        sizes[b].inertia = inertia_norm(inertia);
-    }
+    ranges_of(model, bounds, work, ranges);
     for (int32_t k = 0; k < bounds->uncertain_count; ++k)
         boxes[k] = box_of(bounds, bounds->uncertain[k]);
 }

@@ -23,6 +23,16 @@
 #define MR_CHANGE_JOINT 183.0 /* the hull's deviation from it */
 #define MR_CHANGE_ONCE 500.0
 
+/* Boxes of `ianea`, beside the errors of rotations, levers and the motion. */
+#define MR_BOX_BODY 12.0
+#define MR_BOX_TURN 8.0
+#define MR_BOX_MOMENT 4.0
+#define MR_BOX_AXIS 4.0
+/* Radii, relative to themselves: per joint on the way, once, and per body and joint. */
+#define MR_RADIUS_JOINT 16.0
+#define MR_RADIUS_ONCE 96.0
+#define MR_RADIUS_SUM 4.0
+
 /* Second-order terms and the rounding of the sizes, for rates up to MR_RATE_MAX. */
 #define MR_SECOND_ORDER (1.0 + 0x1p-19)
 #define MR_RATE_MAX 0x1p-21
