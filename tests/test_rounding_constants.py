@@ -70,6 +70,9 @@ def derived() -> dict[str, int]:
         "LEVER": lever,
         "MOTION_JOINT": spin,
         "MOTION_ONCE": motion,
+        "BOX_TURN": rotate + 2 * add,
+        "BOX_MOMENT": cross + add,
+        "BOX_AXIS": dot + add,
         "NOMINAL_JOINT": spin + turned + 2 * add,
         "NOMINAL_ONCE": nominal,
         "CHANGE_JOINT": v_joint + spin,
@@ -85,7 +88,13 @@ def test_the_kernels_constant_is_what_the_proof_adds_up_to(name: str) -> None:
 def test_the_page_states_the_same_rates() -> None:
     for joint, once in (("NOMINAL_JOINT", "NOMINAL_ONCE"), ("CHANGE_JOINT", "CHANGE_ONCE")):
         assert f"({derived()[joint]}D + {derived()[once]} + b + 2j)" in PAGE
-    assert f"$u({derived()['MOTION_JOINT']}D + {derived()['MOTION_ONCE']})$" in PAGE
+    body = derived()["MOTION_ONCE"] + stated()["BOX_BODY"]
+    assert f"$e = u({derived()['MOTION_JOINT']}D + {body:.0f})$" in PAGE
+    joint, once, sums = (stated()[f"RADIUS_{name}"] for name in ("JOINT", "ONCE", "SUM"))
+    assert f"$u({joint:.0f}D + {once:.0f} + {sums:.0f}(b + j))$" in PAGE
+    turn, moment, axis = (derived()[f"BOX_{name}"] for name in ("TURN", "MOMENT", "AXIS"))
+    for part in (f"$19u + {turn}u$", f"$15u + {moment}u$", f"$u + {axis}u$"):
+        assert part in PAGE
     assert f"({stated()['DRIVE']:.0f} + j - n)" in PAGE
     assert stated()["DEFECTS"] == 8
     assert "added to all rates eight times" in PAGE

@@ -12,9 +12,3 @@ void add(const double *x, const double *y, double *out) { store(mr_i_add(of(x), 
 void sub(const double *x, const double *y, double *out) { store(mr_i_sub(of(x), of(y)), out); }
 void mul(const double *x, const double *y, double *out) { store(mr_i_mul(of(x), of(y)), out); }
 void scale(const double *k, const double *x, double *out) { store(mr_i_scale(*k, of(x)), out); }
-
-/* k x + y */
-void dot(const double *k, const double *x, const double *y, double *out) {
-    const mr_interval terms[3] = {of(x), of(y), {0.0, 0.0}};
-    store(mr_i_dot(*k, 1.0, 0.0, terms), out);
-}

@@ -100,8 +100,6 @@ typedef struct {
 /* Half a unit in the last place, a little more; and what a product or a sum may lose below it. */
 #define MR_PHI 0x1.0000000000002p-53
 #define MR_ETA 0x1p-1022
-/* Three products and two sums, and the widening's own rounding, in units of the products. */
-#define MR_PHI_DOT 0x5.0p-53
 
 static inline MR_REAL mr_down(MR_REAL x) { return x - (MR_ABS(x) * MR_PHI + MR_ETA); }
 static inline MR_REAL mr_up(MR_REAL x) { return x + (MR_ABS(x) * MR_PHI + MR_ETA); }
@@ -140,42 +138,6 @@ static inline mr_interval mr_i_widen(mr_interval x, MR_REAL radius) {
 static inline MR_REAL mr_i_size(mr_interval x) {
     const MR_REAL lo = MR_ABS(x.lo), hi = MR_ABS(x.hi);
     return MR_MAX(lo, hi);
-}
-
-/* A bound of the Euclidean norm of every point of the box, up to rounding. */
-static inline MR_REAL mr_i_norm(const mr_interval x[3]) {
-    const MR_REAL size[3] = {mr_i_size(x[0]), mr_i_size(x[1]), mr_i_size(x[2])};
-    return size[0] + size[1] + size[2];
-}
-
-/* a . x for a real a, a constant or a number of the pass. */
-static inline mr_interval mr_i_dot(MR_REAL a0, MR_REAL a1, MR_REAL a2, const mr_interval x[3]) {
-    const mr_interval p = MR_SCALE(a0, x[0]), q = MR_SCALE(a1, x[1]), r = MR_SCALE(a2, x[2]);
-    const MR_REAL lo = (p.lo + q.lo) + r.lo, hi = (p.hi + q.hi) + r.hi;
-    const MR_REAL size_lo = MR_ABS(p.lo) + MR_ABS(q.lo) + MR_ABS(r.lo);
-    const MR_REAL size_hi = MR_ABS(p.hi) + MR_ABS(q.hi) + MR_ABS(r.hi);
-    return (mr_interval){lo - (size_lo * MR_PHI_DOT + MR_ETA),
-                         hi + (size_hi * MR_PHI_DOT + MR_ETA)};
-}
-
-/* out = a (x) [x], a real */
-static inline void mr_i_cross_real(MR_REAL a0, MR_REAL a1, MR_REAL a2, const mr_interval x[3],
-                                   mr_interval out[3]) {
-    const MR_REAL zero = MR_SPLAT(0.0);
-    out[0] = mr_i_dot(zero, -a2, a1, x);
-    out[1] = mr_i_dot(a2, zero, -a0, x);
-    out[2] = mr_i_dot(-a1, a0, zero, x);
-}
-
-static inline void mr_i_cross(const mr_interval x[3], const mr_interval y[3],
-                              mr_interval out[3]) {
-    out[0] = mr_i_sub(mr_i_mul(x[1], y[2]), mr_i_mul(x[2], y[1]));
-    out[1] = mr_i_sub(mr_i_mul(x[2], y[0]), mr_i_mul(x[0], y[2]));
-    out[2] = mr_i_sub(mr_i_mul(x[0], y[1]), mr_i_mul(x[1], y[0]));
-}
-
-static inline void mr_i_accumulate(const mr_interval x[3], mr_interval out[3]) {
-    for (int k = 0; k < 3; ++k) out[k] = mr_i_add(out[k], x[k]);
 }
 
 #endif
