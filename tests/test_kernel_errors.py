@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 
 import modrobust as mr
 from modrobust.errors import TimeOrderError, ValueRangeError
-from random_robots import random_robot
+from random_robots import point_robot, random_robot
 
 ROBOT = random_robot(np.random.default_rng(1), types="rrp")
 ZERO = np.zeros(3)
@@ -84,3 +85,16 @@ def test_the_replay_of_commands_names_the_input_with_its_row() -> None:
     with pytest.raises(ValueRangeError) as caught:
         controller.time_commands(np.arange(4.0), rows, dq, rows, rows, rows)
     assert str(caught.value) == TOO_LARGE.format("dq[3][1] = 1e+300")
+
+
+def test_sizes_beyond_2_to_900_are_refused() -> None:
+    """Else bounds would come from sizes that the proof does not cover, finite as they may be."""
+    robot = point_robot(
+        "r", after=[np.eye(4)], mass=[1e-250], com=[[1e-3, 0, 0]], inertia=[1e-255 * np.eye(3)]
+    )
+    robot = replace(robot, gravity=np.zeros(3))
+    zero, size = np.zeros(1), 2.0**900
+    lo, hi = mr.inverse_dynamics_bounds(robot, zero, zero, zero, np.array([size / 1e3]))
+    assert np.isfinite([lo, hi]).all()
+    with pytest.raises(ValueRangeError):
+        mr.inverse_dynamics_bounds(robot, zero, zero, zero, np.array([size * 1e2]))

@@ -15,7 +15,7 @@ from parameter_boxes import make_robot, skewed
 from written_robots import Written, random_written
 
 from modrobust.control import RobustController
-from modrobust.robot import Robot
+from modrobust.robot import Bounded, Robot
 from random_robots import point_robot, random_robot, random_state, tied
 
 QUARTER = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # Rx(pi/2)
@@ -180,6 +180,20 @@ def test_the_norm_of_rho_is_rounded_up() -> None:
     ctx.prec = before
 
 
+def test_the_norm_of_rho_is_rounded_up_where_its_squares_underflow() -> None:
+    """Else a gain of 0 could answer a perturbation of 1e-170."""
+    tensor = 1e-170 * np.eye(3)
+    robot = point_robot(
+        "rr", after=[QUARTER] * 2, mass=[1e-170] * 2, com=np.zeros((2, 3)), inertia=[tensor] * 2
+    )
+    lower = replace(robot.nominal, inertia=robot.nominal.inertia * 0.5)
+    robot = replace(robot, gravity=np.zeros(3), lower=lower)
+    zero = np.zeros(2)
+    out = RobustController(robot).command(0.0, zero, zero, zero, zero, np.ones(2))
+    assert 0 < out.rho.max() < 1e-160
+    assert sum(Fraction(x) ** 2 for x in out.rho.tolist()) <= Fraction(out.rho_norm) ** 2
+
+
 def test_torques_below_the_smallest_double() -> None:
     mass = 1e-262
     robot = point_robot(
@@ -210,3 +224,63 @@ def test_a_followers_rate_that_underflows() -> None:
     )
     rate = np.array([1e-320])
     check(robot, Signals(np.zeros(1), rate, np.zeros(1), rate, rate))
+
+
+def test_a_slide_whose_nominal_force_the_disturbance_all_but_cancels() -> None:
+    """u0 subtracted to nearest is off by an ulp of u0, which only so small a result shows."""
+    rng = np.random.default_rng(0)
+    zero = np.zeros(1)
+    for _ in range(60):
+        mass, ddq = rng.uniform(1, 4, 2)
+        robot = point_robot(
+            "p", after=[np.eye(4)], mass=[mass], com=np.zeros((1, 3)), inertia=[np.eye(3)]
+        )
+        light = replace(robot.nominal, mass=np.array([mass * 10.0 ** rng.uniform(-6, -3)]))
+        d = np.array([-mass * ddq * (1 + 10.0 ** rng.uniform(-6, -1))])
+        robot = replace(robot, gravity=np.zeros(3), lower=light, disturbance=Bounded(d, d, d))
+        check(robot, Signals(zero, zero, zero, zero, np.array([ddq])))
+
+
+def test_friction_that_the_disturbance_all_but_cancels() -> None:
+    """The same of a drive's torque, beside a body of next to no weight."""
+    rng = np.random.default_rng(0)
+    zero = np.zeros(1)
+    for _ in range(40):
+        viscous, dq = rng.uniform(1, 4, 2)
+        robot = point_robot(
+            "r", after=[QUARTER], mass=[1e-30], com=np.zeros((1, 3)), inertia=[1e-30 * np.eye(3)]
+        )
+        point = replace(robot.nominal, viscous=np.array([viscous]))
+        light = replace(point, viscous=np.array([viscous * 10.0 ** rng.uniform(-6, -3)]))
+        d = np.array([-viscous * dq * (1 + 10.0 ** rng.uniform(-6, -1))])
+        robot = replace(
+            robot,
+            gravity=np.zeros(3),
+            gear_ratio=np.zeros(1),
+            nominal=point,
+            lower=light,
+            upper=point,
+            disturbance=Bounded(d, d, d),
+        )
+        check(robot, Signals(zero, np.array([dq]), zero, np.array([dq]), zero))
+
+
+def test_a_force_all_but_across_the_axis() -> None:
+    """A slide turned by some angle: what is left of the force is the error of the turn."""
+    rng = np.random.default_rng(0)
+    zero = np.zeros(2)
+    for _ in range(40):
+        alpha = rng.uniform(-3, 3)
+        turn = np.eye(4)
+        turn[:2, :2] = [[np.cos(alpha), -np.sin(alpha)], [np.sin(alpha), np.cos(alpha)]]
+        robot = point_robot(
+            "pr",
+            after=[np.eye(4)] * 2,
+            mass=[1e-30, 1.7],
+            com=[[0, 0, 0], [0.3, 0, 0]],
+            inertia=[1e-30 * np.eye(3)] * 2,
+        )
+        robot = replace(robot, gravity=np.zeros(3), before=np.array([np.eye(4), QUARTER @ turn]))
+        for base in (0, np.pi / 2, np.pi, -np.pi / 2):
+            q = np.array([0.0, base - alpha + 10.0 ** rng.uniform(-16, -9)])
+            check(robot, Signals(q, zero, q, zero, np.array([0.0, 1.3])))

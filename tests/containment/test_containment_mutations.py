@@ -92,6 +92,20 @@ def test_rounding_left_out_is_seen(change: Any) -> None:
         assert any(run_seed(seed, change).violations for seed in SEEDS)
 
 
+@pytest.mark.parametrize(("side", "other"), [("lo", "hi"), ("hi", "lo")])
+def test_each_end_is_judged(side: str, other: str) -> None:
+    """Else a comparison of lower ends alone would see all that is left out above, and pass."""
+
+    def change(robot: Robot, query: Query, bounds: list[Bound]) -> list[Bound]:
+        return [
+            replace(bound, **{side: getattr(bound, other)})
+            for bound in bounds
+            if bound.name == "torque hull, drives False"
+        ]
+
+    assert any(run_seed(seed, change).violations for seed in range(5))
+
+
 def test_bounds_a_millionth_of_the_slack_short_are_not_seen() -> None:
     """The other way round: what is seen is rounding, no error of the comparison."""
 
