@@ -26,6 +26,8 @@ from modrobust.robot import Robot
 PRECISION = 320  # [bits]; a product of three doubles and a sum of many are far within
 WIDEST = 5120  # tried once more where a comparison cannot be decided
 MOST_EXTREMES = 24  # points a state
+TOUCHED = -1.0  # an exact torque within twice the slack from an end
+WIDE = 1e3  # slacks; narrower hulls are touched by any point
 
 Change = Callable[[Robot, Query, list[Bound]], list[Bound]]
 Torques = dict[str, list[list[arb]]]
@@ -33,11 +35,12 @@ Torques = dict[str, list[list[arb]]]
 
 @dataclass
 class Outcome:
-    """What was found, summed over blocks."""
+    """What was found, summed over blocks. Cases are distinct parameter points of their state."""
 
     cases: int = 0
     states: int = 0
     refused: int = 0  # states that the kernel answered with an error
+    kinds: dict[str, int] = field(default_factory=dict)  # states of each, refused ones left out
     violations: list[str] = field(default_factory=list)
     used_hull: float = 0.0  # largest share of the hull's slack that exact torques needed
     used_rounding: float = 0.0  # largest error of NE* over its proved bound
@@ -47,6 +50,8 @@ class Outcome:
         self.states += other.states
         self.refused += other.refused
         self.violations += other.violations
+        for kind, states in other.kinds.items():
+            self.kinds[kind] = self.kinds.get(kind, 0) + states
         self.used_hull = max(self.used_hull, other.used_hull)
         self.used_rounding = max(self.used_rounding, other.used_rounding)
 
@@ -93,7 +98,7 @@ def check_state(
     before = ctx.prec
     try:
         points, exact = torques(PRECISION)
-        outcome = Outcome(cases=len(points), states=1)
+        outcome = Outcome(cases=len(np.unique(points, axis=0)), states=1)
         problems, decided = _compare(robot, bounds, exact, outcome)
         if not decided:
             points, exact = torques(WIDEST)
@@ -169,6 +174,9 @@ def _compare(
                 if bound.slack is not None and bound.slack[i] > 0.0:
                     share = 1 - float((upper - lower) / float(bound.slack[i]))
                     outcome.used_hull = max(outcome.used_hull, share)
+                    if share > TOUCHED and bound.hi[i] - bound.lo[i] > WIDE * bound.slack[i]:
+                        which = "drives" if bound.drives else "bodies"
+                        outcome.kinds[f"{side} end of a wide hull touched, {which}"] = 1
                 if lower <= upper:
                     continue
                 decided &= bool(lower > upper)

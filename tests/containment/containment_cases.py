@@ -1,6 +1,6 @@
 """Containment cases by seed: a random robot, a few states, many parameter points.
 
-A case is one robot, state and parameter point.
+A case is one robot, state and parameter point; of points that coincide one counts.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import numpy as np
 from ball_comparison import PRECISION, Change, Outcome, check_state
 from extreme_states import random_signals
 from flint import ctx
+from kinds import kinds_of_robot, kinds_of_state
 from parameter_boxes import make_robot, skewed
 from written_robots import Written, random_written
 
@@ -49,11 +50,17 @@ def run_seed(seed: int, change: Change | None = None) -> Outcome:
     """All cases of one robot; `change` alters the kernel's answers, to see a check fail."""
     rng, written, robot, skew, sparse = robot_of(seed)
     outcome = Outcome()
+    robots = kinds_of_robot(robot, written)
     for number in range(STATES):
         exact = not skew and rng.random() < 0.5
         kind, signals = random_signals(rng, robot, sparse)
         as_given = bool(rng.random() < 0.2)  # (4) in real arithmetic too
         label = f"seed {seed} state {number} ({kind}, {'written' if exact else 'doubles'})"
         model = written if exact else None
-        outcome.add(check_state(robot, signals, rng, label, model, as_given, change))
+        found = check_state(robot, signals, rng, label, model, as_given, change)
+        if not found.refused:
+            reading = {"exact rotations" if exact else "doubles", "(4)" if as_given else "given"}
+            names = robots | kinds_of_state(robot, signals) | {f"read as {x}" for x in reading}
+            found.kinds |= dict.fromkeys(names, 1)
+        outcome.add(found)
     return outcome

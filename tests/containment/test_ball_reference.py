@@ -80,6 +80,7 @@ def test_the_nearest_double_is_the_nearest() -> None:
 
 
 def test_outcomes_add_up() -> None:
-    total = Outcome(cases=1, used_hull=0.5)
-    total.add(Outcome(cases=2, violations=["one"], used_hull=0.25))
+    total = Outcome(cases=1, used_hull=0.5, kinds={"far": 1})
+    total.add(Outcome(cases=2, violations=["one"], used_hull=0.25, kinds={"far": 2, "fast": 1}))
+    assert total.kinds == {"far": 3, "fast": 1}
     assert (total.cases, total.violations, total.used_hull) == (3, ["one"], 0.5)
