@@ -65,7 +65,8 @@ def excess_allowed(robot: Robot, *state: Any, method: str = "hull", drives: bool
     hull: the slack, and a tenth of it for rounding that happened; 1/1000 was seen. ianea: rounding
     makes any robot as wide as the one whose parameters are exact and as large as the box allows,
     give or take 20 % (17 % was seen at 12 joints, where wide boxes are turned); half of that width
-    is at either end. Radii grow by their own rounding on top, (27). Drives add a handful of roundings, outward one by one.
+    is at either end. Radii grow by their own rounding on top, (27). Drives add a handful of
+    roundings, outward one by one.
     """
     ends = mr.inverse_dynamics_bounds(robot, *state, method=method, drives=drives)
     roundings = 8 * ULP * np.abs(ends).max(axis=0) + TINY

@@ -205,13 +205,13 @@ class Native:
             placement=memory.transforms(robot.placement),
             gravity=(c_double * 3)(*(x + y + z)),
         )
-        folded = memory.empty(self._size("folded"))
+        folded = memory.empty(self.size("folded"))
         library.mr_fold(byref(self._model), folded)
         self._model.folded = folded
         self._nominal = self._point(robot.nominal)
         self._bounds = self._box()
 
-    def _size(self, name: str) -> int:
+    def size(self, name: str) -> int:
         return int(getattr(self._lib, f"mr_{name}_size")(byref(self._model)))
 
     def _point(self, point: Parameters) -> Point:
@@ -233,7 +233,7 @@ class Native:
             uncertain=m.ints(taken(uncertain, robot.b)[:count]),
             uncertain_count=count,
         )
-        prepared = m.empty(self._size("prepared"))
+        prepared = m.empty(self.size("prepared"))
         self._lib.mr_prepare(byref(self._model), byref(bounds), prepared)
         bounds.prepared = prepared
         return bounds
@@ -244,7 +244,7 @@ class Native:
             given = [m.doubles(x) if isinstance(x, np.ndarray) else x for x in arguments]
             outputs = [m.empty(self.n) for _ in range(rows)]
             function = getattr(self._lib, f"mr_{name}")
-            status = function(byref(self._model), *given, m.empty(self._size(size)), *outputs)
+            status = function(byref(self._model), *given, m.empty(self.size(size)), *outputs)
             return status, np.array([taken(row, self.n) for row in outputs])
 
     def inverse_dynamics(self, state: Sequence[Any], drives: bool) -> Any:
@@ -275,7 +275,7 @@ class Native:
                 ctypes.c_int64(k),
                 *(m.doubles(x) for x in rows),
                 int(drives),
-                m.empty(self._size("batch_workspace")),
+                m.empty(self.size("batch_workspace")),
                 lo,
                 hi,
                 byref(row),
@@ -293,14 +293,14 @@ class Native:
     def mass_matrix(self, q: Any, drives: bool) -> Any:
         with Memory() as m:
             M = m.empty(self.n**2)
-            workspace = m.empty(self._size("dynamics_workspace"))
+            workspace = m.empty(self.size("dynamics_workspace"))
             given = byref(self._model), byref(self._nominal), m.doubles(q), int(drives)
             status = self._lib.mr_mass_matrix(*given, workspace, M)
             return status, taken(M, self.n, self.n)
 
     def forward_kinematics(self, q: Any) -> Any:
         with Memory() as m:
-            frames, workspace = m.empty(12 * self._robot.j), m.empty(self._size("workspace"))
+            frames, workspace = m.empty(12 * self._robot.j), m.empty(self.size("workspace"))
             given = byref(self._model), m.doubles(q), workspace
             status = self._lib.mr_forward_kinematics(*given, frames)
             return status, taken(frames, self._robot.j, 12)
@@ -311,7 +311,7 @@ class Native:
         with Memory() as m:
             K_r = m.doubles(self._robot.controller.K_r)
             gains = Gains(K_r=K_r, law=0, method=METHODS[method], **GAINS)
-            workspace = m.empty(self._size("workspace"))
+            workspace = m.empty(self.size("workspace"))
             for t, signals in ticks:
                 rows = [m.empty(self.n) for _ in range(6)]
                 answer = CommandOut(*rows)
