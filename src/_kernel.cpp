@@ -4,6 +4,7 @@
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
+#include <cfenv>
 #include <chrono>
 #include <cstring>
 #include <limits>
@@ -13,6 +14,10 @@
 #include <vector>
 
 #include "modrobust/kernel/mr_kernel.h"
+
+extern "C" {
+#include "modrobust/kernel/mr_environment.h"
+}
 
 #ifdef MR_WIDE_BATCH  // mr_batch.c, compiled once more for each (CMakeLists.txt)
 extern "C" decltype(mr_inverse_dynamics_bounds_batch) mr_inverse_dynamics_bounds_batch_avx2,
@@ -60,6 +65,20 @@ std::vector<mr_transform> transforms(const Stack &T) {
             out[i].p[r] = T.data()[16 * i + 4 * r + 3];
         }
     return out;
+}
+
+// mr_enter for Python; the x87 unit, which rounds long doubles, has a rounding mode of its own.
+nb::tuple enter_environment() {
+    const mr_environment caller = mr_enter();
+    const int rounding = std::fegetround();
+    if (rounding != FE_TONEAREST) std::fesetround(FE_TONEAREST);
+    return nb::make_tuple(caller, rounding);
+}
+
+void leave_environment(const nb::tuple &caller) {
+    const int rounding = nb::cast<int>(caller[1]);
+    if (rounding != FE_TONEAREST) std::fesetround(rounding);
+    mr_leave(nb::cast<mr_environment>(caller[0]));
 }
 
 class Model {
@@ -236,8 +255,14 @@ Out inverse_dynamics_bounds_batch(const Model &model, const Vec &nominal, const 
     {
         nb::gil_scoped_release release;
         std::vector<std::thread> others;
-        for (size_t part = 1; part < parts; ++part) others.emplace_back(work, part);
+        size_t started = 1;  // the calling thread has part 0, and those for which no other starts
+        try {
+            for (others.reserve(parts); started < parts; ++started)
+                others.emplace_back(work, started);
+        } catch (const std::exception &) {  // neither thread nor memory to be had
+        }
         if (parts > 0) work(0);
+        for (size_t part = started; part < parts; ++part) work(part);
         for (std::thread &other : others) other.join();
     }
     for (size_t part = 0; part < parts; ++part) {
@@ -515,6 +540,8 @@ NB_MODULE(_kernel, m) {
         .def_prop_ro("n", [](const Model &model) { return model.c.n; })
         .def_prop_ro("b", [](const Model &model) { return model.c.b; });
 
+    m.def("enter_environment", &enter_environment);
+    m.def("leave_environment", &leave_environment, "caller"_a);
     m.def("sincos", &sine_cosine, "x"_a);
     m.def("inverse_dynamics", &inverse_dynamics, "model"_a, "parameters"_a, "q"_a, "dq"_a,
           "dq_a"_a, "ddq_a"_a, "drives"_a);

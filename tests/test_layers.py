@@ -17,12 +17,12 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "src" / "modrobust"
 LAYERS = {
     "errors": 0,
-    "arguments": 0,
-    "arrays": 0,
     "files": 0,
     "names": 0,
     "_kernel": 1,
     "kernel": 1,
+    "arguments": 1,
+    "arrays": 1,
     "geometry": 1,
     "dh": 2,
     "formats": 2,

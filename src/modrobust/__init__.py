@@ -62,7 +62,10 @@ _HOMES = {
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    home = importlib.import_module(f"{__name__}.{_HOMES.get(name, 'dynamics')}")
+    from modrobust.kernel import own_environment
+
+    with own_environment():  # modules compute their constants when they are imported
+        home = importlib.import_module(f"{__name__}.{_HOMES.get(name, 'dynamics')}")
     value = globals()[name] = getattr(home, name)
     return value
 

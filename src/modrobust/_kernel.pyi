@@ -45,6 +45,10 @@ class Model:
     @property
     def b(self) -> int: ...
 
+def enter_environment() -> tuple[int, int]:
+    """Rounding to nearest, subnormals kept, no traps; returns what was, for `leave_environment`."""
+
+def leave_environment(caller: tuple[int, int]) -> None: ...
 def sincos(x: float) -> tuple[float, float]: ...
 def inverse_dynamics(
     model: Model,

@@ -9,6 +9,7 @@ from reprlib import repr as short
 import numpy as np
 
 from modrobust.errors import ValueRangeError
+from modrobust.kernel import own_environment
 
 
 def as_number(name: str, value: object, unit: str = "") -> float:
@@ -28,7 +29,8 @@ def as_number(name: str, value: object, unit: str = "") -> float:
         isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iuf"
     ):
         try:
-            return float(value)
+            with own_environment():
+                return float(value)
         except OverflowError:
             raise ValueRangeError(f"{name}: {short(value)}; too large for a number") from None
     expected = f"a number [{unit}]" if unit else "a number"

@@ -5,14 +5,17 @@ from __future__ import annotations
 import sys
 from numbers import Real
 from reprlib import repr as short
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.kernel import own_environment
 
 Array = NDArray[np.float64]
 
+_DOUBLE = np.dtype(np.float64)
 _KINDS = {
     "b": "truth values",
     "c": "complex entries",
@@ -56,20 +59,48 @@ def as_real(name: str, value: ArrayLike, expected: str) -> Array:
         ValueRangeError: Truth values, texts, dates, complex numbers, other objects, masked arrays
             or lists of different lengths.
     """
+    if type(value) is np.ndarray and value.dtype == _DOUBLE:
+        return value
     # numpy.ma takes 13 ms to import; who holds a masked array has done it
     if "numpy.ma" in sys.modules and isinstance(value, np.ma.MaskedArray):
         raise ValueRangeError(f"{name}: is a masked array; expected {expected}; fill it")
     try:
-        array = np.asarray(value)
-        if array.dtype.kind in "iuf":
-            return array.astype(np.float64, copy=False)
+        with own_environment():  # where subnormals are flushed, a small float32 would become 0
+            array = np.asarray(value)
+            if array.dtype.kind in "iuf":
+                return array.astype(np.float64, copy=False)
     except (TypeError, ValueError) as problem:
         raise ValueRangeError(f"{name}: {problem}; expected {expected}") from None
+    raise ValueRangeError(f"{name}: holds {_found(array)}; expected {expected}")
+
+
+def as_indices(name: str, value: ArrayLike) -> NDArray[np.int32]:
+    """An int32 array of any shape, from whole numbers that it can hold; a list may be empty.
+
+    Raises:
+        ValueRangeError: Anything else; fractions and truth values are no indices.
+    """
+    expected = "whole numbers, which are indices"
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError) as problem:
+        raise ValueRangeError(f"{name}: {problem}; expected {expected}") from None
+    if array.size and array.dtype.kind not in "iu":
+        found = "floats" if array.dtype.kind == "f" else _found(array)
+        raise ValueRangeError(f"{name}: holds {found}; expected {expected}")
+    limits = np.iinfo(np.int32)
+    for item in array[(array < limits.min) | (array > limits.max)].flat:
+        raise ValueRangeError(f"{name}: holds {item}; an index must lie in [-2^31, 2^31)")
+    return array.astype(np.int32)
+
+
+def _found(array: NDArray[Any]) -> str:
+    """What an array holds instead of numbers; of objects, the first that is none tells most."""
     found = _KINDS.get(array.dtype.kind)
-    if found is None:  # objects: the first that is no number tells most
+    if found is None:
         odd = (item for item in array.flat if isinstance(item, bool) or not isinstance(item, Real))
         found = short(next(odd, "numbers that are no floats"))
-    raise ValueRangeError(f"{name}: holds {found}; expected {expected}")
+    return found
 
 
 def _words(shape: tuple[int, ...]) -> str:

@@ -30,6 +30,7 @@ from modrobust.construction import build
 from modrobust.errors import FileError, ValueRangeError
 from modrobust.formats import Assembly, BodyItem, load_assembly
 from modrobust.geometry import IDENTITY, Transform
+from modrobust.kernel import own_environment
 from modrobust.mounting import EndStep, JointStep, Mounted, SpanStep, mount_chain
 from modrobust.names import did_you_mean
 from modrobust.options import urdf_assembly, with_options
@@ -40,6 +41,7 @@ from modrobust.urdf_xml import SUFFIXES as URDF_SUFFIXES
 Array = NDArray[np.float64]
 
 
+@own_environment()
 def load_robot(
     path_or_name: str | Path,
     *,
@@ -96,6 +98,7 @@ def _file_of(path_or_name: str | Path) -> Path:
     )
 
 
+@own_environment()
 def assemble(description: Assembly) -> Robot:
     """The robot of a description.
 

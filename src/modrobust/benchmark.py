@@ -21,7 +21,7 @@ from modrobust.control import RobustController
 from modrobust.dynamics import perturbation_bounds
 from modrobust.errors import ValueRangeError
 from modrobust.found_range import found_range, probe_count
-from modrobust.kernel import METHODS
+from modrobust.kernel import METHODS, own_environment
 from modrobust.metrics import plain, ratio, time_statistics
 from modrobust.result import SimulationResult
 from modrobust.robot import Robot
@@ -228,6 +228,7 @@ def growth(
     return result
 
 
+@own_environment()
 def random_tightness(
     robot: Robot, states: int = 1000, seed: int = 0, search: bool = False
 ) -> Tightness:
@@ -252,6 +253,7 @@ def random_tightness(
     return _tightness(robot, f"{states} random states, seed {seed}", (q, dq, dq_a, ddq_a), search)
 
 
+@own_environment()
 def trajectory_tightness(run: SimulationResult, states: int = 1000) -> Tightness:
     """Widths of [Phi] by both methods, and found by search, at up to so many states of a run.
 
@@ -287,6 +289,7 @@ def _tightness(
     return Tightness(where, widths["hull"], widths["ianea"], found)
 
 
+@own_environment()
 def benchmark(
     robots: Sequence[Robot],
     *,

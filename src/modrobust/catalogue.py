@@ -8,6 +8,7 @@ from pathlib import Path
 
 from modrobust.errors import FileError
 from modrobust.formats import Module, Where, load_module
+from modrobust.kernel import own_environment
 from modrobust.mating import mating_problem
 from modrobust.names import did_you_mean
 
@@ -29,6 +30,7 @@ def builtin_robots() -> dict[str, Path]:
     return _files(data_directory("assemblies"))
 
 
+@own_environment()
 def catalogue(directories: Iterable[str | Path] | None = None) -> list[Module]:
     """Every module of some directories, in the order of their ids.
 

@@ -24,7 +24,7 @@ from modrobust import _kernel
 from modrobust.arguments import as_number
 from modrobust.arrays import as_array, as_real
 from modrobust.errors import ShapeError, ValueRangeError
-from modrobust.kernel import METHODS, status_error
+from modrobust.kernel import METHODS, own_environment, status_error
 from modrobust.names import did_you_mean
 from modrobust.robot import ControllerSettings, Robot, check_robot
 
@@ -83,6 +83,7 @@ class RobustController:
     Source: (3) to (8) and Section V of Giusti and Althoff 2017.
     """
 
+    @own_environment()
     def __init__(
         self,
         robot: Robot,

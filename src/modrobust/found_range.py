@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
 from modrobust.arrays import as_array
-from modrobust.kernel import status_error
+from modrobust.kernel import own_environment, status_error
 from modrobust.robot import Robot, check_robot
 
 Array = NDArray[np.float64]
@@ -23,6 +23,7 @@ _PAIRS = ((0, 1), (0, 2), (1, 2))
 _CORNERS = np.array([[i, j, k] for i in (-1.0, 1.0) for j in (-1.0, 1.0) for k in (-1.0, 1.0)])
 
 
+@own_environment()
 def found_range(
     robot: Robot,
     q: ArrayLike,

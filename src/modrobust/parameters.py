@@ -9,21 +9,32 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust.arrays import as_array
+from modrobust.arrays import as_array, as_indices, as_real
 from modrobust.errors import ShapeError
 
 Array = NDArray[np.float64]
 
 
+_INDICES = "NDArray[np.int32]"  # as a field is annotated; all other arrays hold float64
+
+
 def freeze(instance: object) -> None:
-    """Replaces every array of a frozen dataclass by a read-only copy of its own."""
+    """Replaces every array of a frozen dataclass by a read-only copy of its own.
+
+    Raises:
+        ValueRangeError: A field annotated as an array holds something else than real numbers, or
+            one of indices something else than whole numbers of 32 bits.
+    """
     for item in fields(instance):  # type: ignore[arg-type]
         value = getattr(instance, item.name)
-        if isinstance(value, np.ndarray):
-            kind = np.int32 if value.dtype.kind in "iu" else np.float64
-            copy = np.array(value, dtype=kind, order="C")
-            copy.setflags(write=False)
-            object.__setattr__(instance, item.name, copy)
+        if value is None or not str(item.type).startswith(("Array", _INDICES)):
+            continue
+        if item.type == _INDICES:
+            copy = np.array(as_indices(item.name, value), order="C")
+        else:
+            copy = np.array(as_real(item.name, value, "numbers"), order="C")
+        copy.setflags(write=False)
+        object.__setattr__(instance, item.name, copy)
 
 
 def remade(instance: object) -> tuple[type, tuple[object, ...]]:

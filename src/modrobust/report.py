@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from modrobust.dh import DHTable
 from modrobust.dynamics import inverse_dynamics_bounds_batch
+from modrobust.kernel import own_environment
 from modrobust.robot import ModuleNode, Robot
 
 Array = NDArray[np.float64]
@@ -77,6 +78,7 @@ class Report:
     notes: tuple[str, ...]
 
 
+@own_environment()
 def report(robot: Robot, poses: int = POSES, seed: int = SEED) -> Report:
     """The figures of a robot, from `poses` random poses within its position limits."""
     q = _poses(robot, poses, seed)

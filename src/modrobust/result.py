@@ -16,6 +16,7 @@ from modrobust.control import RobustController
 from modrobust.engine_loop import EngineLoop
 from modrobust.errors import ModrobustError
 from modrobust.files import replacing
+from modrobust.kernel import own_environment
 from modrobust.metrics import CHATTERING_LIMIT, chattering, plain, ratio, time_statistics
 from modrobust.remarks import remarks
 from modrobust.robot import ControllerSettings, Parameters, Robot
@@ -101,6 +102,7 @@ class SimulationResult:
     """Sum of the torque's changes over all ticks so far."""
 
     @property
+    @own_environment()
     def error(self) -> Array:
         """Norm of the tracking error at the logged ticks, (m,)."""
         return np.asarray(np.linalg.norm(self.q_des - self.q, axis=1))
@@ -111,6 +113,7 @@ class SimulationResult:
         return self.statistics is not None and self.statistics.status != _kernel.STATUS_OK
 
     @property
+    @own_environment()
     def epsilon_entered_at(self) -> float | None:
         """First instant from which the error stayed below epsilon to the end [s], or None."""
         s = self.statistics
@@ -165,11 +168,13 @@ class SimulationResult:
         return reasons
 
     @cached_property
+    @own_environment()
     def chattering(self) -> Array | None:
         """How much each torque shakes, (n,); see `modrobust.metrics.chattering`."""
         return chattering(self.t, self.tau, self.total_variation)
 
     @property
+    @own_environment()
     def remarks(self) -> list[str]:
         """What the verdict does not judge, one sentence each: torques that shake, and positions
         and velocities beyond their limits, which the controller does not know. Of the logged ticks.
@@ -182,6 +187,7 @@ class SimulationResult:
         """No violation, no divergence, epsilon entered for good, torques within their limits."""
         return not self.reasons
 
+    @own_environment()
     def summary(self) -> dict[str, Any]:
         """The run in figures, plain Python ready for JSON; null where there is no number."""
         s = self.statistics

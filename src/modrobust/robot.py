@@ -19,6 +19,7 @@ from modrobust import _kernel
 from modrobust.arguments import as_integer
 from modrobust.dh import DHTable, dh_table
 from modrobust.errors import ValueRangeError
+from modrobust.kernel import own_environment
 from modrobust.parameters import Bounded, Parameters, freeze, remade
 from modrobust.robot_checks import check_box, check_lengths, check_rigid, check_tree
 from modrobust.robot_parts import ControllerSettings, Followers, ModuleNode, TrajectorySettings
@@ -84,6 +85,7 @@ class Robot:
     def __repr__(self) -> str:
         return f'<Robot "{self.name}": {self.n} joints, {self.b} bodies>'
 
+    @own_environment()
     def __post_init__(self) -> None:
         if not self.acceleration_limits.size:
             object.__setattr__(self, "acceleration_limits", np.full(self.n, np.inf))
@@ -148,12 +150,14 @@ class Robot:
         """Names of the j joints, the free ones first."""
         return self.joint_names + self.followers.names
 
+    @own_environment()
     def all_positions(self, q: Array) -> Array:
         """Positions of the j joints (..., j) for those of the free ones (..., n), (15)."""
         f = self.followers
         return np.concatenate([q, f.multiplier * q[..., f.leaders] + f.offset], axis=-1)
 
     @cached_property
+    @own_environment()
     def model(self) -> _kernel.Model:
         """The kernel's view of the geometry, made once.
 
@@ -177,12 +181,14 @@ class Robot:
         )
 
     @cached_property
+    @own_environment()
     def dh(self) -> DHTable | None:
         """Standard D-H table in the base frame, for display; None when joints branch."""
         if self.j != self.n or not np.array_equal(self.parents, np.arange(-1, self.n - 1)):
             return None
         return dh_table(self.parents, self.before, self.after)
 
+    @own_environment()
     def sample_parameters(self, rng: np.random.Generator | int) -> Parameters:
         """A physical point of the box, uniform in each entry; tensors by rejection per body.
 
@@ -195,6 +201,7 @@ class Robot:
         """
         return sample_point(self.nominal, self.lower, self.upper, _generator(rng))
 
+    @own_environment()
     def corner_parameters(self, rng: np.random.Generator | int) -> Parameters:
         """A vertex of the box, each entry lower or upper by a coin; perhaps not a physical one.
 
@@ -203,6 +210,7 @@ class Robot:
         """
         return corner_point(self.lower, self.upper, _generator(rng))
 
+    @own_environment()
     def physical_corner(
         self, which: str, rng: np.random.Generator | int = 0
     ) -> tuple[Parameters, tuple[str, ...]]:

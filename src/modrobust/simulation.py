@@ -26,6 +26,7 @@ from modrobust.arrays import as_array
 from modrobust.control import PerJoint, RobustController, settings_dict
 from modrobust.engine_loop import EngineLoop
 from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.kernel import own_environment
 from modrobust.metrics import plain
 from modrobust.motion_limits import check_duration, check_limits, check_start
 from modrobust.names import did_you_mean
@@ -66,6 +67,7 @@ class TrueRobot:
     inside: bool
 
 
+@own_environment()
 def true_robot(
     robot: Robot,
     parameters: str | Parameters | None = None,
@@ -120,6 +122,7 @@ def true_robot(
     return TrueRobot(point, np.array(given, dtype=np.float64), pulled, inside)
 
 
+@own_environment()
 def simulate(
     robot: Robot,
     *,

@@ -8,9 +8,11 @@ import numpy as np
 
 from modrobust.errors import ValueRangeError
 from modrobust.geometry import dh_standard
+from modrobust.kernel import own_environment
 from modrobust.robot import Array, Bounded, ControllerSettings, Parameters, Robot
 
 
+@own_environment()
 def synthetic_chain(n: int, uncertainty: float = 0.05) -> Robot:
     """A serial chain of ``n`` revolute joints, alternating D-H rows, every body uncertain.
 

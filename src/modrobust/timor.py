@@ -30,6 +30,7 @@ from modrobust.formats import MapNode, Node
 from modrobust.formats.inertia import positive_definite, steiner
 from modrobust.formats.json_reader import parse_json
 from modrobust.geometry import Transform, rotation_x
+from modrobust.kernel import own_environment
 from modrobust.timor_reader import (
     EFFORT,
     Body,
@@ -72,6 +73,7 @@ class Import:
     notes: tuple[str, ...]
 
 
+@own_environment()
 def import_timor(path: str | Path, inertia_about: str | None = None) -> Import:
     """The modules of a Timor database.
 
@@ -111,6 +113,7 @@ def import_timor(path: str | Path, inertia_about: str | None = None) -> Import:
     return Import(tuple(done.values()), tuple(left_out), tuple(notes))
 
 
+@own_environment()
 def write_modules(result: Import, directory: str | Path) -> list[Path]:
     """Writes one file a module into a directory, which is made when it is not there.
 

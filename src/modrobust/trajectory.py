@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from modrobust.arguments import as_integer, as_number
 from modrobust.arrays import as_real
 from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.kernel import own_environment
 from modrobust.names import did_you_mean
 from modrobust.robot import Robot
 from modrobust.spline import CubicSpline
@@ -80,6 +81,7 @@ class Sines:
     omega: tuple[float, ...]
     duration: float | None = None
 
+    @own_environment()
     def __post_init__(self) -> None:
         _vector("amplitude", self.amplitude)
         _vector("omega", self.omega)
@@ -94,6 +96,7 @@ class Sines:
         """The sines go on for ever."""
         return math.inf
 
+    @own_environment()
     def sample(self, t: ArrayLike) -> Samples:
         """Analytic derivatives by the product rule, one factor after the other."""
         instants = _instants(t)
@@ -134,6 +137,7 @@ class Quintic:
     duration: float | None = None
     source: str | None = None
 
+    @own_environment()
     def __post_init__(self) -> None:
         times, points = _rows(self.times, self.points)
         object.__setattr__(self, "times", times)
@@ -151,6 +155,7 @@ class Quintic:
         """The last waypoint is held."""
         return math.inf
 
+    @own_environment()
     def sample(self, t: ArrayLike) -> Samples:
         """Velocity and acceleration are zero at every waypoint."""
         instants = _instants(t)
@@ -198,6 +203,7 @@ class Splined:
     source: str | None = None
     _spline: CubicSpline = field(init=False, repr=False)
 
+    @own_environment()
     def __post_init__(self) -> None:
         times, points = _rows(self.times, self.points)
         if len(times) < 2:
@@ -218,6 +224,7 @@ class Splined:
         """Time of the last row [s]."""
         return float(self.times[-1])
 
+    @own_environment()
     def sample(self, t: ArrayLike) -> Samples:
         """Derivatives of the spline; the end pieces go on beyond the ends."""
         return self._spline(_instants(t))
@@ -245,6 +252,7 @@ def paper_trajectory(robot: Robot) -> Sines:
     return Sines(PAPER_AMPLITUDE, PAPER_OMEGA, DEFAULT_DURATION)
 
 
+@own_environment()
 def default_trajectory(robot: Robot, duration: float = DEFAULT_DURATION, seed: int = 0) -> Quintic:
     """Rest to rest through seeded waypoints, within position limits and half of the others.
 
@@ -286,6 +294,7 @@ def default_trajectory(robot: Robot, duration: float = DEFAULT_DURATION, seed: i
     return Quintic(times, np.array(points), duration, source=f"default, seed {seed}")
 
 
+@own_environment()
 def make_trajectory(
     robot: Robot,
     spec: Trajectory | str | Path | None = None,

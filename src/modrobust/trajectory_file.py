@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.errors import DescriptionError, FileError
+from modrobust.kernel import own_environment
 from modrobust.names import did_you_mean
 
 Array = NDArray[np.float64]
@@ -22,6 +23,7 @@ Array = NDArray[np.float64]
 MAX_BYTES = 256 * 1024 * 1024
 
 
+@own_environment()
 def read_trajectory_csv(file: str | Path, joint_names: Sequence[str]) -> tuple[Array, Array]:
     """Times (k,) [s] and positions (k, n) [rad] or [m] of a CSV file.
 

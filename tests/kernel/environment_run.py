@@ -1,7 +1,7 @@
 """Computes pickled cases in a hostile floating-point environment; run by test_environment.py.
 
-Arguments: the library of environment.c, an environment, the pickled cases. Prints, as JSON, what
-differs from the results in the file and which calls changed the environment.
+Arguments: the library of environment.c, an environment, the folder of the pickled cases. Prints, as
+JSON, what differs from the results in the file and which calls changed the environment.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from kernel_cases import beyond_native, by_extension, differences, outcome
+from python_cases import from_python
 
 
-def main(library: str, kind: str, cases: str) -> None:
+def main(library: str, kind: str, folder: str) -> None:
     fenv = ctypes.CDLL(library)
     fenv.environment.restype = ctypes.c_uint64
     changed: list[str] = []
@@ -36,10 +37,12 @@ def main(library: str, kind: str, cases: str) -> None:
         return result
 
     wrong: list[str] = []
-    for robot, state, expected in pickle.loads(Path(cases).read_bytes()):
+    cases, in_python = pickle.loads((Path(folder) / "cases").read_bytes())
+    for robot, state, expected in cases:
         found = by_extension(robot, state, run) | beyond_native(robot, state, run)
         wrong += [f"{robot.name} {name}" for name in differences(expected, found)]
-    fenv.environment()
+    found = from_python(Path(folder), run)
+    wrong += [name for name in in_python if found[name] != in_python[name]]
     print(json.dumps({"wrong": wrong, "changed": changed, "was": fenv.environment()}))
 
 

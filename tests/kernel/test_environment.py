@@ -19,8 +19,17 @@ import numpy as np
 import pytest
 from kernel_cases import beyond_native, by_extension, robots, states
 from native import compiler
+from python_cases import from_python
+
+from test_timor import base, bent_link, database, powerball
+from urdf_texts import two_links, written
 
 HERE = Path(__file__).parent
+INSIDE = (
+    '<origin xyz="0.1 0.2 0.3" rpy="0.7 0.11 -0.3"/><axis xyz="0.1 0.3 0.7"/>'
+    '<limit lower="-2.1" upper="2.3" effort="31" velocity="1.7"/>'
+    '<dynamics damping="0.1" friction="0.3"/>'
+)
 KINDS = ("upward", "downward", "towards_zero", "flushing", "flushing_upward", "trapping")
 
 
@@ -34,7 +43,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for robot in robots(3, 24)
         for state in states(rng, robot.n)
     ]
-    (folder / "cases").write_bytes(pickle.dumps(cases))
+    written(folder, two_links(INSIDE))
+    database(folder, powerball(), bent_link(), base())
+    (folder / "cases").write_bytes(pickle.dumps((cases, from_python(folder))))
     cc = compiler("gcc")
     subprocess.run(
         [cc, "-O1", "-shared", "-fPIC", HERE / "environment.c", "-lm", "-o", folder / "fenv.so"],
@@ -51,7 +62,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def run(folder: Path, kind: str, preload: str = "") -> dict[str, Any]:
     answer = subprocess.run(
-        [sys.executable, HERE / "environment_run.py", folder / "fenv.so", kind, folder / "cases"],
+        [sys.executable, HERE / "environment_run.py", folder / "fenv.so", kind, folder],
         check=True,
         stdout=subprocess.PIPE,
         env={**os.environ, "PYTHONPATH": str(HERE.parent), "LD_PRELOAD": preload},

@@ -24,6 +24,7 @@ from modrobust.describe.common import (
 from modrobust.describe.geoms import add_geoms
 from modrobust.describe.orientation import quaternion
 from modrobust.errors import ValueRangeError
+from modrobust.kernel import own_environment
 from modrobust.robot import Parameters, Robot
 
 Array = NDArray[np.float64]
@@ -34,6 +35,7 @@ _STAND_IN = 1e-14  # [kg], [kg m^2]: written for a link that has no body of its 
 _ADJUSTED = 1e-12  # relative change of a tensor that is worth a line
 
 
+@own_environment()
 def mjcf_text(
     robot: Robot,
     parameters: Parameters | None = None,
@@ -61,6 +63,7 @@ def mjcf_text(
     return Exported(document(root, robot, "MJCF", lost), tuple(lost))
 
 
+@own_environment()
 def mjcf_element(
     robot: Robot,
     parameters: Parameters | None = None,

@@ -23,6 +23,7 @@ from modrobust.describe.common import (
     without_bounds,
 )
 from modrobust.describe.orientation import roll_pitch_yaw
+from modrobust.kernel import own_environment
 from modrobust.robot import Parameters, Robot
 
 Array = NDArray[np.float64]
@@ -31,6 +32,7 @@ NO_LIMIT = 1e9  # written where URDF demands a limit and none is known [N m, N, 
 _STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], what readers of URDF assume
 
 
+@own_environment()
 def urdf_text(robot: Robot, parameters: Parameters | None = None) -> Exported:
     """The robot as URDF, at one point of its parameters.
 

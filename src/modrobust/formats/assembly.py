@@ -37,12 +37,14 @@ from modrobust.formats.quantity import Quantity, parse_point, parse_vector
 from modrobust.formats.reader import read_description
 from modrobust.formats.span import points, pose_matrix
 from modrobust.formats.tolerance import Tolerances
+from modrobust.kernel import own_environment
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 _URDF_KEYS = ("base_link", "tip_link", "lock", "links", "joints", "tolerance")
 _ZERO = Quantity(0.0, 0.0, 0.0, bounded=False)
 
 
+@own_environment()
 def load_assembly(path: str | Path) -> Assembly:
     """The assembly of a file, checked and in SI units as far as that goes without its modules.
 

@@ -33,8 +33,10 @@ from modrobust.formats.quantity import parse_angle, parse_point
 from modrobust.formats.reader import read_description
 from modrobust.formats.span import span_matrix
 from modrobust.formats.tolerance import Tolerances
+from modrobust.kernel import own_environment
 
 
+@own_environment()
 def load_module(path: str | Path, overrides: Mapping[str, Node] | None = None) -> Module:
     """The module of a file, checked and in SI units.
 

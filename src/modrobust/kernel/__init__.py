@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,20 @@ from modrobust.errors import (
 
 METHODS = {"hull": _kernel.HULL, "ianea": _kernel.IANEA}
 """How a bound is computed: the exact hull, or the paper's Algorithm 1."""
+
+
+@contextmanager
+def own_environment() -> Iterator[None]:
+    """Arithmetic of Python and NumPy as the kernel's own; what the caller had set comes back.
+
+    A context or a decorator. Other libraries leave rounding modes and flushed subnormals behind in
+    which the same file gives another robot; see ``mr_environment.h``.
+    """
+    caller = _kernel.enter_environment()
+    try:
+        yield
+    finally:
+        _kernel.leave_environment(caller)
 
 
 def method_code(method: str) -> int:
