@@ -165,23 +165,56 @@ def test_the_operations_enclose_exact_fractions(name: str, operations: Operate) 
         assert_encloses(compute(operations, name, given), expected, ulps, (name, given))
 
 
-def test_a_product_of_middles_and_radii_is_the_range_of_its_corners(tmp_path: Path) -> None:
-    """Up to 16 u of its radius and 2 u of its middle, which (27) adds."""
-    path = tmp_path / "boxes.so"
+@pytest.fixture(scope="module")
+def boxes(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+    """Operations on middles and radii, boxes.c."""
+    path = tmp_path_factory.mktemp("boxes") / "boxes.so"
     source = HERE / "boxes.c"
     command = [compiler("gcc"), *FLAGS, "-fPIC", "-shared", "-I", FOLDER, source, "-o", path]
     subprocess.run(command, check=True)
-    library = ctypes.CDLL(str(path))
+    return ctypes.CDLL(str(path))
+
+
+def test_a_product_of_middles_and_radii_is_the_range_of_its_corners(boxes: ctypes.CDLL) -> None:
+    """Up to 16 u of its radius and 2 u of its middle, which (27) adds."""
     rng = np.random.default_rng(10)
     for _ in range(3000):
         middles = rng.normal(size=2) * 10.0 ** rng.integers(-3, 4, 2)
         radii = np.abs(rng.normal(size=2)) * 10.0 ** rng.integers(-6, 4, 2)
         radii[rng.random(2) < 0.1] = 0.0
         out = (ctypes.c_double * 2)()
-        library.product_of(*map(ctypes.c_double, (middles[0], radii[0], middles[1], radii[1])), out)
+        boxes.product_of(*map(ctypes.c_double, (middles[0], radii[0], middles[1], radii[1])), out)
         (x, y), (dx, dy) = (list(map(Fraction, pair.tolist())) for pair in (middles, radii))
         corners = [(x + s * dx) * (y + t * dy) for s in (-1, 1) for t in (-1, 1)]
         middle, radius = map(Fraction, out)
         most = (16 * radius + 2 * abs(x * y)) / 2**53
         assert abs(middle - radius - min(corners)) <= most
         assert abs(middle + radius - max(corners)) <= most
+
+
+def test_boxes_turned_levered_and_summed_hold_their_errors(boxes: ctypes.CDLL) -> None:
+    """Of the rotation, of the lever and of the sum, which the body's error mostly hides."""
+    rng = np.random.default_rng(11)
+    error, nearly = 27 * 2.0**-53, Fraction(1) - Fraction(1, 2**50)
+    for _ in range(300):
+        R, lever, x, y = (rng.normal(size=n) for n in (9, 3, 6, 6))
+        x[3:], y[3:] = np.abs(x[3:]) * 1e-16, 0.0
+        a, b, c = lever
+        cross = np.array([[0.0, -c, b], [c, 0.0, -a], [-b, a, 0.0]])
+        around = Fraction(error) * sum(map(Fraction, np.abs(x).tolist()))
+        for rows, function, given in (
+            (R.reshape(3, 3), boxes.turned, R),
+            (cross, boxes.moment, lever),
+        ):
+            out = np.zeros(6)
+            first, second, third = (np.ctypeslib.as_ctypes(v) for v in (given, x, out))
+            function(first, ctypes.c_double(error), second, third)
+            for row, radius in zip(rows.tolist(), out[3:].tolist(), strict=True):
+                terms = zip(row, x[3:].tolist(), strict=True)
+                exact_radius = sum(abs(Fraction(k)) * Fraction(r) for k, r in terms)
+                assert Fraction(radius) >= (exact_radius + around) * nearly
+        total = y.copy()
+        boxes.sum(np.ctypeslib.as_ctypes(x), np.ctypeslib.as_ctypes(total))
+        for k in range(3):
+            off = abs(Fraction(total[k]) - Fraction(x[k]) - Fraction(y[k]))
+            assert Fraction(total[3 + k]) >= (Fraction(x[3 + k]) + off) * nearly

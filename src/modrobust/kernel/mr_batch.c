@@ -178,7 +178,7 @@ mr_status ENTRY(const mr_model *model, const mr_bounds *bounds, mr_method method
         const double *const given[4] = {q + at, dq + at, dq_a + at, ddq_a + at};
         status = block(model, bounds, method, left < MR_LANES ? left : MR_LANES, given, drives,
                        workspace, tau_lo + at, tau_hi + at, row);
-        *row += first;
+        *row = status ? *row + first : count; /* the last block's word counts */
     }
     mr_leave(caller);
     return status;

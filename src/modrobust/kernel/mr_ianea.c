@@ -224,11 +224,10 @@ void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_si
         if (constants->before != MR_IDENTITY) {
             const double error = (MR_U * (MR_CONSTANT_LEVER + MR_BOX_MOMENT)) *
                                      constants->before_norm + MR_UNDER;
-            const double size_of[3] = SIZES_3(fabs, before);
-            const MR_REAL more = error * BOX_NORM(MR_ABS, carried.f, carried.f_rad) + MR_ETA;
-            mr_add_cross(before, carried.f, carried.n);
-            ADD_CROSS_SIZES(size_of, carried.f_rad, carried.n_rad);
-            for (int k = 0; k < 3; ++k) carried.n_rad[k] += more;
+            MR_REAL lever[3];
+            mr_splat(before, lever);
+            ADD_MOMENT(MR_REAL, MR_ABS, lever, error, carried.f, carried.f_rad, carried.n,
+                       carried.n_rad);
         }
     }
 }
