@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
 
+import modrobust as mr
 from modrobust.arguments import as_integer, as_number
 from modrobust.errors import ValueRangeError
+from random_robots import random_robot
 
 
 @pytest.mark.parametrize(
@@ -63,3 +66,29 @@ def test_what_is_no_count_in_its_range_is_refused(value: object, message: str) -
 
 def test_both_ends_of_a_range_belong_to_it() -> None:
     assert (as_integer("k", 1, 1, 9), as_integer("k", np.int64(9), 1, 9)) == (1, 9)
+
+
+@pytest.mark.parametrize("drives", [1, 0, None, "yes"])
+def test_drives_are_true_or_false(drives: object) -> None:
+    robot = random_robot(np.random.default_rng(0), 2)
+    rest = np.zeros(2)
+    given: Any = {"drives": drives}
+    for call in (
+        lambda: mr.inverse_dynamics(robot, rest, rest, rest, rest, **given),
+        lambda: mr.inverse_dynamics_bounds(robot, rest, rest, rest, rest, **given),
+        lambda: mr.inverse_dynamics_bounds_batch(robot, *[rest[None]] * 4, **given),
+        lambda: mr.mass_matrix(robot, rest, **given),
+        lambda: mr.forward_dynamics(robot, rest, rest, rest, **given),
+    ):
+        with pytest.raises(ValueRangeError, match=f"^drives: {drives!r}; must be True or False$"):
+            call()
+    with_numpy = mr.mass_matrix(robot, rest, drives=bool(np.True_))
+    assert (with_numpy == mr.mass_matrix(robot, rest, drives=np.True_)).all()  # type: ignore[arg-type]
+
+
+def test_absurd_counts_are_refused() -> None:
+    robot = random_robot(np.random.default_rng(0), 2)
+    with pytest.raises(ValueRangeError, match=r"^threads: 10+; must be at most 4096$"):
+        mr.inverse_dynamics_bounds_batch(robot, *[np.zeros((1, 2))] * 4, threads=10**25)
+    with pytest.raises(ValueRangeError, match=r"^duration: 1e\+308 s at 50000 Hz are inf commands"):
+        mr.simulate(mr.load_robot("lwa4p-paper"), duration=1e308)

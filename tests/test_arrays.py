@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import modrobust as mr
-from modrobust.errors import InputError
+from modrobust.arrays import as_indices
+from modrobust.errors import InputError, ValueRangeError
+from modrobust.robot import Bounded
 from random_robots import random_robot
 
 ROBOT = replace(random_robot(np.random.default_rng(1), types="rrp"), name="arm3")
@@ -98,3 +100,11 @@ def test_a_result_beyond_the_range_of_doubles_is_an_error_and_never_a_bound(
         mr.inverse_dynamics(ROBOT, ZERO, fast, fast, ZERO)
     with pytest.raises(InputError, match="not finite"):
         mr.inverse_dynamics_bounds(ROBOT, ZERO, fast, fast, ZERO, method=method)
+
+
+def test_large_whole_numbers_stay_what_they_are() -> None:
+    far = 2**32 + 5
+    box = Bounded(np.array([0]), np.array([-far]), np.array([far]))
+    assert (box.lo[0], box.hi[0]) == (-far, far)
+    with pytest.raises(ValueRangeError, match=r"^leaders: holds 4294967301; an index must lie in"):
+        as_indices("leaders", np.array([far]))

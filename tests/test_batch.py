@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -179,3 +180,24 @@ def test_other_threads_run_while_a_batch_is_computed() -> None:
         stop.set()
         other.join()
     assert during > 0
+
+
+def test_as_many_threads_as_asked_for_are_used() -> None:
+    robot = random_robot(np.random.default_rng(5), 12)
+    rows = [np.random.default_rng(k).normal(size=(30_000, 12)) for k in range(4)]
+    tasks = Path("/proc/self/task")
+    if not tasks.is_dir():
+        pytest.skip("threads are counted in /proc")
+    done, most = threading.Event(), [0]
+
+    def watch() -> None:
+        while not done.is_set():
+            most[0] = max(most[0], len(list(tasks.iterdir())))
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    before = len(list(tasks.iterdir()))
+    mr.inverse_dynamics_bounds_batch(robot, *rows, threads=3)
+    done.set()
+    watcher.join()
+    assert most[0] >= before + 2

@@ -57,3 +57,14 @@ def as_integer(name: str, value: object, least: int, most: int | None = None) ->
     if most is not None and number > most:
         raise ValueRangeError(f"{name}: {number}; must be at most {most}")
     return number
+
+
+def as_truth(name: str, value: object) -> bool:
+    """The argument as a bool: True or False, or numpy's; 1 and "yes" are none.
+
+    Raises:
+        ValueRangeError: It is something else.
+    """
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise ValueRangeError(f"{name}: {short(value)}; must be True or False")

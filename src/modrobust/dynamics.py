@@ -13,13 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
-from modrobust.arguments import as_integer
+from modrobust.arguments import as_integer, as_truth
 from modrobust.arrays import as_array, as_real
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import method_code, status_error
 from modrobust.robot import Parameters, Robot, check_robot
 
 Array = NDArray[np.float64]
+
+MAX_THREADS = 4096  # no machine of today has more processors
 
 
 def inverse_dynamics(
@@ -58,7 +60,13 @@ def inverse_dynamics(
     Source: Algorithm 1 of Giusti and Althoff 2017; kernel twin ``mr_inverse_dynamics``.
     """
     state = _vectors(robot, q=q, dq=dq, dq_a=dq_a, ddq_a=ddq_a)
-    return _run(_kernel.inverse_dynamics, robot.model, _packed(robot, parameters), state, drives)
+    return _run(
+        _kernel.inverse_dynamics,
+        robot.model,
+        _packed(robot, parameters),
+        state,
+        as_truth("drives", drives),
+    )
 
 
 def inverse_dynamics_bounds(
@@ -101,7 +109,7 @@ def inverse_dynamics_bounds(
         _box(robot),
         state,
         method_code(method),
-        drives,
+        as_truth("drives", drives),
     )
     return lo, hi
 
@@ -143,14 +151,14 @@ def inverse_dynamics_bounds_batch(
     rows = as_real("Q", Q, "k rows of numbers").shape[:1] or (0,)
     names = {"Q": Q, "dQ": dQ, "dQ_a": dQ_a, "ddQ_a": ddQ_a}
     given = {name: as_array(name, value, (*rows, robot.n), owner) for name, value in names.items()}
-    count = _processors() if threads is None else as_integer("threads", threads, 1)
+    count = _processors() if threads is None else as_integer("threads", threads, 1, MAX_THREADS)
     lo, hi = _run(
         _kernel.inverse_dynamics_bounds_batch,
         robot.model,
         _box(robot),
         given,
         method_code(method),
-        drives,
+        as_truth("drives", drives),
         count,
     )
     return lo, hi
@@ -220,7 +228,13 @@ def mass_matrix(
     Source: composite rigid bodies (Walker and Orin 1982); kernel twin ``mr_mass_matrix``.
     """
     state = _vectors(robot, q=q)
-    return _run(_kernel.mass_matrix, robot.model, _packed(robot, parameters), state, drives)
+    return _run(
+        _kernel.mass_matrix,
+        robot.model,
+        _packed(robot, parameters),
+        state,
+        as_truth("drives", drives),
+    )
 
 
 def forward_dynamics(
@@ -254,7 +268,13 @@ def forward_dynamics(
     Source: kernel twin ``mr_forward_dynamics``.
     """
     state = _vectors(robot, q=q, dq=dq, tau=tau)
-    return _run(_kernel.forward_dynamics, robot.model, _packed(robot, parameters), state, drives)
+    return _run(
+        _kernel.forward_dynamics,
+        robot.model,
+        _packed(robot, parameters),
+        state,
+        as_truth("drives", drives),
+    )
 
 
 def forward_kinematics(robot: Robot, q: ArrayLike) -> Array:

@@ -323,7 +323,7 @@ def _tick_count(duration: float, control_rate: float) -> int:
             f"the default is {CONTROL_RATE:g} Hz"
         )
     # Whole ticks within the duration; rounding of the product makes none of them fall out.
-    count = math.floor(duration * control_rate * (1.0 + 4.0 * sys.float_info.epsilon))
+    count = duration * control_rate * (1.0 + 4.0 * sys.float_info.epsilon)
     if count < 1:
         raise ValueRangeError(
             f"duration: {duration:g} s is less than one tick of {control_rate:g} Hz; make it longer"
@@ -333,7 +333,7 @@ def _tick_count(duration: float, control_rate: float) -> int:
             f"duration: {duration:g} s at {control_rate:g} Hz are {count:.3g} commands, more than "
             f"{MAX_TICKS:.0e}; make it shorter"
         )
-    return count + 1  # both ends: the first command is given at 0
+    return math.floor(count) + 1  # both ends: the first command is given at 0
 
 
 def _start(
