@@ -8,6 +8,9 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
+
+import pytest
 
 COMMAND = Path(__file__).with_name("run.py")
 
@@ -16,6 +19,11 @@ def run(*options: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, str(COMMAND), *options], capture_output=True, text=True, check=False
     )
+
+
+def entries(state: Path) -> list[dict[str, Any]]:
+    """The blocks of a state file, without a line that was cut off."""
+    return [json.loads(line) for line in state.read_text().splitlines() if line.endswith("}")]
 
 
 def test_a_run_goes_on_where_it_stopped(tmp_path: Path) -> None:
@@ -27,9 +35,8 @@ def test_a_run_goes_on_where_it_stopped(tmp_path: Path) -> None:
     done = json.loads(state.read_text().splitlines()[0])["cases"]
     second = run("--cases", str(done + 1), "--jobs", "2", "--state", str(state))
     assert second.returncode == 0, second.stderr
-    lines = [line for line in state.read_text().splitlines() if line.endswith("}")]
-    assert [json.loads(line)["block"] for line in lines] == [0, 1]
-    total = sum(json.loads(line)["cases"] for line in lines)
+    assert [entry["block"] for entry in entries(state)] == [0, 1]
+    total = sum(entry["cases"] for entry in entries(state))
     assert f"{total:,} of {done + 1:,} cases" in second.stdout
     assert "0 violations" in second.stdout
     third = run("--cases", "1", "--state", str(state))
@@ -49,6 +56,30 @@ def test_ctrl_c_leaves_what_is_done(tmp_path: Path) -> None:
     assert f"stopped; the same command goes on from {state}" in output
     for line in state.read_text().splitlines():
         assert json.loads(line)["violations"] == []
+
+
+@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGKILL], ids=lambda how: how.name)
+def test_a_killed_run_goes_on_and_counts_right(how: signal.Signals, tmp_path: Path) -> None:
+    """Else a block could be lost or counted twice where a machine goes down, and nobody would know.
+
+    The resumed run has the blocks, cases and kinds of one that was never stopped.
+    """
+    state, whole = tmp_path / "state.jsonl", tmp_path / "whole.jsonl"
+    options = [sys.executable, str(COMMAND), "--jobs", "1", "--state", str(state)]
+    with subprocess.Popen(options, stdout=subprocess.DEVNULL) as process:
+        while not (state.exists() and state.read_text().count("\n")):
+            assert process.poll() is None
+            time.sleep(0.02)
+        process.send_signal(how)
+        process.wait(timeout=60)
+    assert process.returncode == -how
+    goal = sum(entry["cases"] for entry in entries(state)) + 1000
+    resumed = run("--cases", str(goal), "--jobs", "1", "--state", str(state))
+    assert resumed.returncode == 0, resumed.stderr
+    assert run("--cases", str(goal), "--jobs", "1", "--state", str(whole)).returncode == 0
+    assert entries(state) == entries(whole)
+    total = sum(entry["cases"] for entry in entries(state))
+    assert f"{total:,} of {goal:,} cases" in resumed.stdout
 
 
 def test_a_state_of_other_sources_is_refused(tmp_path: Path) -> None:
