@@ -14,7 +14,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -30,12 +30,36 @@ STORED = HERE.parent / "data" / "instruction_counts.json"
 KERNEL = Path(modrobust.kernel.__file__).parent
 FLAGS = [line for line in (KERNEL / "flags.txt").read_text().splitlines() if line[:1] == "-"]
 STATES, ROUNDS = 10, (2, 12)
-CASES = {
-    "Table II, hull": (False, "hull"),
-    "Table II, ianea": (False, "ianea"),
-    "every body uncertain, hull": (True, "hull"),
-    "every body uncertain, ianea": (True, "ianea"),
-}
+RATE, FAST = 1.5, 10.0  # [rad/s], and as much of position and acceleration
+
+
+def exact(robot: mr.Robot) -> mr.Robot:
+    """Every parameter known, those of the drives too."""
+    return replace(robot, lower=robot.nominal, upper=robot.nominal)
+
+
+def first_uncertain(robot: mr.Robot) -> mr.Robot:
+    """Only the first body unknown, as in `uncertain`: what exact bodies cost beside it."""
+    wide = uncertain(robot)
+    lower, upper = (
+        replace(
+            robot.nominal,
+            **{
+                name: np.concatenate([getattr(side, name)[:1], getattr(robot.nominal, name)[1:]])
+                for name in ("mass", "com", "inertia")
+            },
+        )
+        for side in (wide.lower, wide.upper)
+    )
+    return replace(robot, lower=lower, upper=upper)
+
+
+def widest(robot: mr.Robot) -> mr.Robot:
+    """5 m on every COM, so that extrema lie inside the boxes: the faces of (19) are looked at."""
+    wide = uncertain(robot)
+    com = robot.nominal.com
+    lower, upper = replace(wide.lower, com=com - 5.0), replace(wide.upper, com=com + 5.0)
+    return replace(robot, lower=lower, upper=upper)
 
 
 def uncertain(robot: mr.Robot) -> mr.Robot:
@@ -45,6 +69,18 @@ def uncertain(robot: mr.Robot) -> mr.Robot:
     lower = replace(p, mass=0.95 * p.mass, com=p.com - 5e-3, inertia=p.inertia - spread)
     upper = replace(p, mass=1.05 * p.mass, com=p.com + 5e-3, inertia=p.inertia + spread)
     return replace(robot, lower=lower, upper=upper)
+
+
+Case = tuple[Callable[[mr.Robot], mr.Robot], str, float]
+CASES: dict[str, Case] = {  # robot, method, size of the signals
+    "Table II, hull": (lambda robot: robot, "hull", RATE),
+    "Table II, ianea": (lambda robot: robot, "ianea", RATE),
+    "every body uncertain, hull": (uncertain, "hull", RATE),
+    "every body uncertain, ianea": (uncertain, "ianea", RATE),
+    "all exact, hull": (exact, "hull", RATE),
+    "first body only, hull": (first_uncertain, "hull", RATE),
+    "widest boxes, hull": (widest, "hull", FAST),
+}
 
 
 def floats(values: Any) -> str:
@@ -63,7 +99,7 @@ def transforms(name: str, T: Any) -> str:
     return f"static const mr_transform {name}[] = {{{rows}}};\n"
 
 
-def data(robot: mr.Robot, method: str) -> str:
+def data(robot: mr.Robot, method: str, rate: float) -> str:
     """command_data.h: the robot, its box and gains, and signals at fixed random states."""
     f, d, c = robot.followers, robot.disturbance, robot.controller
     b, j = robot.b, robot.j
@@ -87,7 +123,7 @@ def data(robot: mr.Robot, method: str) -> str:
     out.append(table("double", "d_lo", d.lo) + table("double", "d_hi", d.hi))
     out.append(table("int32_t", "uncertain", wide))
     out.append(table("double", "K_r", np.broadcast_to(c.K_r, robot.n)))
-    signals = np.random.default_rng(0).uniform(-1.5, 1.5, (STATES, 5, robot.n))
+    signals = np.random.default_rng(0).uniform(-rate, rate, (STATES, 5, robot.n))
     out.append(f"enum {{ JOINTS = {robot.n}, STATES = {STATES} }};\n")
     rows = "}, {".join("{" + "}, {".join(map(floats, state)) + "}" for state in signals)
     out.append(f"static const double signals[STATES][5][JOINTS] = {{{{{rows}}}}};\n")
@@ -139,9 +175,8 @@ def count_all() -> dict[str, float]:
         for source in sorted(KERNEL.glob("*.c")):
             objects.append(folder / f"{source.stem}.o")
             subprocess.run(["gcc", *FLAGS, "-c", source, "-o", objects[-1]], check=True)
-        for name, (wide, method) in CASES.items():
-            robot = uncertain(paper) if wide else paper
-            (folder / "command_data.h").write_text(data(robot, method))
+        for name, (of, method, rate) in CASES.items():
+            (folder / "command_data.h").write_text(data(of(paper), method, rate))
             program = folder / "count"
             include = ["-I", folder, "-I", KERNEL]
             source = HERE / "command_count.c"

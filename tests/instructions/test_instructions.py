@@ -26,7 +26,7 @@ def test_a_command_costs_the_stored_number_of_instructions() -> None:
     stored = json.loads(STORED.read_text(encoding="utf-8"))
     if compiler not in stored:
         pytest.skip(f"no counts are stored for {compiler}; stored: {', '.join(stored)}")
-    assert set(stored[compiler]) == set(CASES)
+    assert set(stored[compiler]) == set(CASES), UPDATE
     for name, count in count_all().items():
         was = stored[compiler][name]
         change = (count - was) / was
