@@ -226,6 +226,19 @@ ROBOTS = {
         ':6: joint follow, mimic: follows joint "turn", which does not move here (fixed, or not '
         "chosen); a joint follows one that moves; freeze it with --lock follow=VALUE",
     ),
+    "follower that turns too far": (
+        robot(
+            BASE, TURN, ARM, link("finger"), link("tip"),
+            joint("slow", "arm", "finger", inside=AXIS + LIMIT + '<mimic joint="turn"/>'),
+            joint(
+                "fast", "arm", "tip",
+                inside=AXIS + LIMIT + '<mimic joint="turn" multiplier="1e23" offset="0.5"/>',
+            ),
+        ),
+        ":8: joint fast, mimic: follows joint turn with multiplier 1e+23 and offset 0.5 rad, so "
+        "that it passes 100000 rad while that one moves by 1 rad; no joint turns so far; correct "
+        "the two",
+    ),
     "nothing behind one joint has mass": (
         robot(BASE, TURN, ARM, link("tip", ""), joint("last", "arm", "tip")),
         ":6: joint last: no link behind it has mass (tip); what moves has mass and inertia; "

@@ -88,7 +88,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
         modules=parts.nodes,
         followers=_followers(joints),
     )
-    refuse_singular(robot, [item.where for item in items])
+    refuse_singular(robot, [joint.item.where for joint in joints])
     return robot
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust import _kernel
+from modrobust.errors import DescriptionError
 from modrobust.formats import Where
 from modrobust.robot import Robot
 
@@ -27,15 +28,18 @@ def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
     """Raises where M(q) at nominal parameters, drives included, is singular at a seeded pose.
 
     Args:
-        robot: The robot; `where` (n,) says where its joints are written.
+        robot: The robot; `where` (j,) says where its joints are written.
 
     Raises:
-        DescriptionError: M is singular; the message names the joint.
+        DescriptionError: M is singular, or cannot be computed; the message names the joint.
     """
     q = np.random.default_rng(_SEED).uniform(-1.0, 1.0, robot.n)  # [rad] or [m]
     try:
         M = _kernel.mass_matrix(robot.model, robot.nominal.packed, q, True)
-    except _kernel.KernelError:  # masses are bounded where they are read: it is a drive or a length
+    except _kernel.KernelError as problem:
+        if problem.args[0] == _kernel.STATUS_ANGLE_RANGE:  # no free joint: its q is within 1 rad
+            raise _turns_too_far(robot, where, q) from None
+        # Masses are bounded where they are read: it is a drive or a length.
         with np.errstate(over="ignore", invalid="ignore"):
             drives = robot.gear_ratio**2 * robot.nominal.rotor_inertia
         worst = int(np.argmax(np.nan_to_num(drives[: robot.n], nan=np.inf, posinf=np.inf)))
@@ -52,6 +56,20 @@ def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
             f"nothing behind it has inertia {axis} its axis, so the mass matrix is singular "
             "(nominal parameters, drives included); give it a drive or a body with inertia",
         )
+
+
+def _turns_too_far(robot: Robot, where: Sequence[Where], q: Array) -> DescriptionError:
+    """What to say where a follower's angle (15) passes what the kernel computes with."""
+    revolute = np.array(robot.joint_types) == "revolute"
+    joint = int(np.argmax(np.where(revolute, np.abs(robot.all_positions(q)), 0.0)))
+    f, k = robot.followers, joint - robot.n
+    leader = f.leaders[k]
+    return where[joint].error(
+        f"joint {robot.all_joint_names[joint]}, mimic",
+        f"follows joint {robot.joint_names[leader]} with multiplier {f.multiplier[k]:g} and offset "
+        f"{f.offset[k]:g} rad, so that it passes {_kernel.ANGLE_MAX:g} rad while that one moves by "
+        f"1 {'rad' if revolute[leader] else 'm'}; no joint turns so far; correct the two",
+    )
 
 
 def singular_joint(M: Array) -> int | None:
