@@ -19,6 +19,7 @@ from modrobust.benchmark import (
     random_tightness,
     replay,
 )
+from modrobust.cli.bench import print_benchmark
 from modrobust.errors import ValueRangeError
 from modrobust.metrics import plain, ratio, time_statistics
 from modrobust.robot import Robot
@@ -186,3 +187,27 @@ def test_every_body_of_a_synthetic_chain_is_uncertain_and_physical() -> None:
 def test_plain_makes_json_of_arrays_and_none_of_what_is_not_finite() -> None:
     value = {"a": np.array([1.0, np.inf]), "b": (np.int64(3), np.bool_(True)), "c": float("nan")}
     assert plain(value) == {"a": [1.0, None], "b": [3, True], "c": None}
+
+
+def test_each_width_stands_under_its_own_header(capsys: pytest.CaptureFixture[str]) -> None:
+    """Two states, worked out by hand: means 1.6, 2 and 6, ratios 2/1.6 and 6/2, each 2 and 10/3."""
+    widths = Tightness(
+        where="somewhere",
+        width_hull=np.array([[1.0], [3.0]]),
+        width_ianea=np.array([[2.0], [10.0]]),
+        width_found=np.array([[1.0], [2.2]]),
+    )
+    entry = {"robot": "arm", "joints": ["elbow"], "times": [], "tightness": [widths.to_dict()]}
+    print_benchmark({"robots": [entry], "growth": []})
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    header = next(line for line in lines if line[:1] == ["joint"])
+    row = next(line for line in lines if line[:1] == ["elbow"])
+    assert dict(zip(header, row, strict=True)) == {
+        "joint": "elbow",
+        "found": "1.6",
+        "hull": "2",
+        "ianea": "6",
+        "hull/found": "1.25",
+        "ianea/hull": "3",
+        "median": "2.667",
+    }
