@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 import threading
 from pathlib import Path
@@ -201,3 +203,33 @@ def test_as_many_threads_as_asked_for_are_used() -> None:
     done.set()
     watcher.join()
     assert most[0] >= before + 2
+
+
+WITHOUT_THREADS = """
+import resource, sys
+import numpy as np
+import modrobust as mr
+from random_robots import random_robot
+from test_batch import states
+
+robot = random_robot(np.random.default_rng(5), 6)
+rows = states(np.random.default_rng(6), 500, 6)
+expected = mr.inverse_dynamics_bounds_batch(robot, *rows, threads=1)
+pages = int(open("/proc/self/statm").read().split()[0])
+room = 24 << 20  # [B]: less than the stacks of the threads, 8 MiB each
+limit = pages * resource.getpagesize() + room
+resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+found = mr.inverse_dynamics_bounds_batch(robot, *rows, threads=60)
+assert np.array(found).tobytes() == np.array(expected).tobytes()
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").is_file(), reason="needs Linux's memory figures")
+def test_where_no_thread_starts_the_calling_thread_does_its_part() -> None:
+    run = subprocess.run(
+        [sys.executable, "-c", WITHOUT_THREADS],
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parent)},
+        capture_output=True,
+        text=True,
+    )
+    assert run.returncode == 0, run.stderr

@@ -13,7 +13,7 @@ import pytest
 import modrobust as mr
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.physical import is_physical, least_second_moment
-from modrobust.robot import Bounded, Parameters, Robot
+from modrobust.robot import Bounded, Followers, Parameters, Robot
 from modrobust.sampling import sample_point
 from modrobust.synthetic import synthetic_chain
 
@@ -326,3 +326,41 @@ def test_what_is_no_robot_is_refused_with_how_to_make_one() -> None:
     assert str(caught.value) == (
         "robot: None; the name of a built-in robot or the path of a file is expected"
     )
+
+
+def test_integer_arrays_keep_their_values() -> None:
+    far = 2**32 + 5
+    bounds = Bounded(np.array([0]), np.array([-far]), np.array([far], np.uint64))
+    assert [*bounds.lo, *bounds.hi] == [-far, far]
+    robot = replace(synthetic_chain(2), gravity=np.array([0, 0, -(2**32) - 10]))
+    assert robot.gravity.dtype == np.float64
+    assert robot.gravity.tolist() == [0.0, 0.0, -(2.0**32) - 10.0]
+    assert replace(robot, parents=np.array([-1, 0], np.int64)).parents.dtype == np.int32
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("gravity", np.array([0, 0, 1j]), "gravity: holds complex entries; expected numbers"),
+        ("gravity", np.array([True] * 3), "gravity: holds truth values; expected numbers"),
+        ("gravity", ["0", "0", "1"], "gravity: holds text; expected numbers"),
+        ("parents", [-1.0, 0.0], "parents: holds floats; expected whole numbers, which are"),
+        ("parents", [False, True], "parents: holds truth values; expected whole numbers, "),
+        ("parents", [[-1], [0, 0]], "parents: setting an array element with a sequence"),
+        ("parents", [-1, 2**32], "parents: holds 4294967296; an index must lie in [-2^31, 2^31)"),
+        ("body_joints", [0, -(2**31) - 1], "body_joints: holds -2147483649; an index must lie"),
+    ],
+)
+def test_an_array_of_the_wrong_kind_is_refused_by_name(name: str, value: Any, message: str) -> None:
+    with pytest.raises(ValueRangeError) as caught:
+        replace(synthetic_chain(2), **{name: value})
+    assert str(caught.value).startswith(message)
+
+
+def test_leaders_beyond_32_bits_are_refused_and_never_wrapped() -> None:
+    with pytest.raises(ValueRangeError, match=r"^leaders: holds 4294967296; an index must lie"):
+        Followers(("f",), np.array([2**32]), np.ones(1), np.zeros(1))
+    with pytest.raises(ValueRangeError, match=r"^multiplier: holds truth values; expected numbers"):
+        Followers(("f",), np.array([0]), np.array([True]), np.zeros(1))
+    with pytest.raises(ValueRangeError, match=r"^hi: holds complex entries; expected numbers"):
+        Bounded(np.zeros(1), np.zeros(1), np.array([1j]))

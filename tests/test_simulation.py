@@ -16,7 +16,13 @@ from modrobust.errors import FileError, InputError, ShapeError, ValueRangeError
 from modrobust.metrics import chattering
 from modrobust.result import LOGGED, check_writable
 from modrobust.robot import Bounded, Robot
-from modrobust.simulation import SimulationResult, simulate, true_robot
+from modrobust.simulation import (
+    MAX_TICKS,
+    SimulationResult,
+    _tick_count,
+    simulate,
+    true_robot,
+)
 from modrobust.synthetic import synthetic_chain
 from modrobust.trajectory import Quintic, Splined
 
@@ -379,7 +385,11 @@ def test_a_log_that_cannot_be_written_is_refused_and_nothing_is_left(
             "duration: -1 s; must be positive and finite; such as 10 s",
         ),
         ({"duration": 1e-9}, ValueRangeError, "is less than one tick of 10000 Hz"),
-        ({"duration": 1e9}, ValueRangeError, "make it shorter"),
+        (
+            {"duration": 1e9},
+            ValueRangeError,
+            "duration: 1e+09 s at 10000 Hz are more than 1e+10 commands; make it shorter",
+        ),
         ({"control_rate": 0.0}, ValueRangeError, "control_rate: 0 Hz; must lie in"),
         ({"control_rate": np.nan}, ValueRangeError, "control_rate: nan Hz; must lie in"),
         ({"substeps": 0}, ValueRangeError, "substeps: 0; must be at least 1"),
@@ -508,3 +518,9 @@ def test_chattering_is_one_for_a_slow_signal_and_large_for_a_shaking_one() -> No
     assert ratios[1] > 5.0
     assert ratios[2] == 1.0
     assert chattering(t[:4000], tau[:4000], variation[:4000]) is None
+
+
+def test_the_largest_number_of_commands_is_allowed_and_no_more() -> None:
+    assert _tick_count(MAX_TICKS / 50e3, 50e3) == MAX_TICKS + 1
+    with pytest.raises(ValueRangeError, match="make it shorter"):
+        _tick_count(1.1 * MAX_TICKS / 50e3, 50e3)

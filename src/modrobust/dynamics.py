@@ -134,7 +134,7 @@ def inverse_dynamics_bounds_batch(
         ddQ_a: Auxiliary accelerations (k, n) [rad/s^2].
         method: "hull" or "ianea".
         drives: Whether friction (20) and reflected rotor inertia (21) are included.
-        threads: Number of threads; None = one for each processor this process may use.
+        threads: Number of threads, at most 4096; None = one for each processor it may use.
 
     Returns:
         Lower and upper bounds (k, n), (k, n) [N m].

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
+from modrobust.arguments import as_truth
 from modrobust.arrays import as_array
 from modrobust.kernel import own_environment, status_error
 from modrobust.robot import Robot, check_robot
@@ -58,6 +59,7 @@ def found_range(
     named = {"q": q, "dq": dq, "dq_a": dq_a, "ddq_a": ddq_a}
     columns = (as_array(name, value, shape, owner) for name, value in named.items())
     states = list(zip(*columns, strict=True))
+    drives = as_truth("drives", drives)
     box = _Box(robot)
     try:
         shares = np.array([box.torques(box.probes, state, drives) for state in states])

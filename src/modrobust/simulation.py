@@ -324,14 +324,14 @@ def _tick_count(duration: float, control_rate: float) -> int:
         )
     # Whole ticks within the duration; rounding of the product makes none of them fall out.
     count = duration * control_rate * (1.0 + 4.0 * sys.float_info.epsilon)
-    if count < 1:
+    if count < 1.0:
         raise ValueRangeError(
             f"duration: {duration:g} s is less than one tick of {control_rate:g} Hz; make it longer"
         )
-    if count > MAX_TICKS:
+    if count >= MAX_TICKS + 1.0:
         raise ValueRangeError(
-            f"duration: {duration:g} s at {control_rate:g} Hz are {count:.3g} commands, more than "
-            f"{MAX_TICKS:.0e}; make it shorter"
+            f"duration: {duration:g} s at {control_rate:g} Hz are more than {MAX_TICKS:.0e} "
+            "commands; make it shorter"
         )
     return math.floor(count) + 1  # both ends: the first command is given at 0
 
