@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cfenv>
+#include <cmath>
 #include <chrono>
 #include <cstring>
 #include <limits>
@@ -86,11 +87,11 @@ class Model {
     Model(const Ints &joint_type, const Ints &parent, const Stack &before, const Stack &after,
           const Vec &gravity, const Ints &body_joint, const Stack &placement,
           const Vec &gear_ratio, const Vec &coulomb_speed, const Ints &leader,
-          const Vec &multiplier, const Vec &offset)
+          const Vec &multiplier, const Vec &offset, const Ints &wraps)
         : types(ints(joint_type)), parents(ints(parent)), befores(transforms(before)),
           afters(transforms(after)), joints(ints(body_joint)), placements(transforms(placement)),
           ratios(doubles(gear_ratio)), speeds(doubles(coulomb_speed)), leaders(ints(leader)),
-          multipliers(doubles(multiplier)), offsets(doubles(offset)) {
+          multipliers(doubles(multiplier)), offsets(doubles(offset)), wrapping(ints(wraps)) {
         const size_t j = types.size(), b = joints.size(), followers = leaders.size();
         require(j > followers && parents.size() == j && befores.size() == j &&
                     afters.size() == j && ratios.size() == j && speeds.size() == j &&
@@ -106,6 +107,14 @@ class Model {
             require(types[i] == MR_REVOLUTE || types[i] == MR_PRISMATIC,
                     "Model: joint types are 0 (revolute) and 1 (prismatic)");
         }
+        require(wrapping.size() == free, "Model: wraps has one entry a free joint");
+        for (size_t i = 0; i < free; ++i)
+            require(!wrapping[i] || types[i] == MR_REVOLUTE, "Model: a joint that slides wraps");
+        for (size_t k = 0; k < followers; ++k)
+            require(!wrapping[static_cast<size_t>(leaders[k])] ||
+                        (types[free + k] == MR_REVOLUTE &&
+                         multipliers[k] == std::nearbyint(multipliers[k])),
+                    "Model: a joint wraps whose followers do not turn by whole turns with it");
         for (int32_t joint : joints)
             require(joint >= -1 && joint < static_cast<int32_t>(j),
                     "Model: a body's joint must exist");
@@ -123,6 +132,8 @@ class Model {
         c.leader = leaders.data();
         c.multiplier = multipliers.data();
         c.offset = offsets.data();
+        const bool any = std::any_of(wrapping.begin(), wrapping.end(), [](int32_t w) { return w; });
+        c.wraps = any ? wrapping.data() : nullptr;
         std::memcpy(c.gravity, gravity.data(), sizeof c.gravity);
         folded.resize(mr_folded_size(&c));
         mr_fold(&c, folded.data());
@@ -150,6 +161,7 @@ class Model {
     Doubles ratios, speeds;
     std::vector<int32_t> leaders;
     Doubles multipliers, offsets, folded;
+    std::vector<int32_t> wrapping;
 };
 
 // The known box of parameters and disturbance; borrows the arrays or owns copies of them.
@@ -349,6 +361,17 @@ Out forward_kinematics(const Model &model, const Vec &q) {
     return numpy(std::move(out), {j, 4, 4});
 }
 
+Out tracking_error(const Model &model, const Mat &q, const Mat &q_des) {
+    const size_t n = model.n(), count = q.shape(0);
+    for (const Mat *m : {&q, &q_des})
+        require(m->shape(0) == count && m->shape(1) == n, "positions: expected shape (k, n)");
+    Doubles error(count * n);
+    for (size_t k = 0; k < count; ++k)
+        check(mr_tracking_error(&model.c, q.data() + k * n, q_des.data() + k * n,
+                                error.data() + k * n));
+    return numpy(std::move(error), {count, n});
+}
+
 nb::tuple sine_cosine(double x) {
     double s, c;
     check(std::abs(x) <= MR_ANGLE_MAX ? MR_OK : MR_ANGLE_RANGE);
@@ -385,6 +408,20 @@ class Controller {
         kappa = out.kappa;
         phi = out.phi;
         return numpy(std::move(rows), {6, model.n()});
+    }
+
+    // The command where the integral of f has this value; the controller's own state stays as it is.
+    nb::tuple torque(double integral, const Vec &q, const Vec &dq, const Vec &q_des,
+                     const Vec &dq_des, const Vec &ddq_des) {
+        require_state(model, q, dq, q_des, dq_des);
+        model.require_joints(ddq_des, "ddq_des");
+        Doubles rows(6 * model.n());
+        mr_command_out out = outputs(rows.data());
+        mr_controller_state at = {integral, 0.0, 0.0, 0};
+        check(mr_command(&model.c, &bounds.c, &gains, 0.0, q.data(), dq.data(), q_des.data(),
+                         dq_des.data(), ddq_des.data(), workspace.data(), &at, &out));
+        return nb::make_tuple(numpy(std::move(rows), {6, model.n()}), out.rho_norm,
+                              at.previous_f);
     }
 
     // Seconds of each command on recorded signals; the integrators start at rest.
@@ -533,16 +570,17 @@ NB_MODULE(_kernel, m) {
     nb::class_<Model>(m, "Model")
         .def(nb::init<const Ints &, const Ints &, const Stack &, const Stack &, const Vec &,
                       const Ints &, const Stack &, const Vec &, const Vec &, const Ints &,
-                      const Vec &, const Vec &>(),
+                      const Vec &, const Vec &, const Ints &>(),
              "joint_type"_a, "parent"_a, "before"_a, "after"_a, "gravity"_a, "body_joint"_a,
              "placement"_a, "gear_ratio"_a, "coulomb_speed"_a, "leader"_a, "multiplier"_a,
-             "offset"_a)
+             "offset"_a, "wraps"_a)
         .def_prop_ro("n", [](const Model &model) { return model.c.n; })
         .def_prop_ro("b", [](const Model &model) { return model.c.b; });
 
     m.def("enter_environment", &enter_environment);
     m.def("leave_environment", &leave_environment, "caller"_a);
     m.def("sincos", &sine_cosine, "x"_a);
+    m.def("tracking_error", &tracking_error, "model"_a, "q"_a, "q_des"_a);
     m.def("inverse_dynamics", &inverse_dynamics, "model"_a, "parameters"_a, "q"_a, "dq"_a,
           "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("inverse_dynamics_bounds", &inverse_dynamics_bounds, "model"_a, "nominal"_a, "lower"_a,
@@ -568,10 +606,13 @@ NB_MODULE(_kernel, m) {
              "kappa_I"_a, "phi_P"_a, "phi_I"_a, "epsilon"_a, "law"_a, "method"_a)
         .def("command", &Controller::command, "t"_a, "q"_a, "dq"_a, "q_des"_a, "dq_des"_a,
              "ddq_des"_a)
+        .def("torque", &Controller::torque, "integral"_a, "q"_a, "dq"_a, "q_des"_a, "dq_des"_a,
+             "ddq_des"_a)
         .def("time_commands", &Controller::time_commands, "t"_a, "q"_a, "dq"_a, "q_des"_a,
              "dq_des"_a, "ddq_des"_a)
         .def("reset", &Controller::reset)
         .def_ro("rho_norm", &Controller::rho_norm)
+        .def_prop_ro("integral_rate", [](const Controller &c) { return c.state.previous_f; })
         .def_ro("kappa", &Controller::kappa)
         .def_ro("phi", &Controller::phi);
 

@@ -198,7 +198,7 @@ def test_missing_limits_are_said() -> None:
     half_open = np.array([[-1.0, np.inf], [-np.inf, np.inf], [-1.0, 1.0]])
     lost = urdf_text(replace(robot, position_limits=half_open)).lost
     assert "the one-sided position limit of joint0" in lost
-    assert "that joint1 has no position limit; 1e+09 is written" in lost
+    assert "that joint0, joint1 has no position limit; 1e+09 is written" in lost
     assert "that every joint has no velocity limit; 1e+09 is written" in lost
 
 

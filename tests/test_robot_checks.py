@@ -35,7 +35,7 @@ def mirrored(robot: Robot) -> Any:
         (
             lambda r: {"joint_types": ("revolute", "revolut")},
             ValueRangeError,
-            'joint_types[1] is "revolut"; known: revolute, prismatic',
+            'joint_types[1] is "revolut"; known: revolute, continuous, prismatic',
         ),
         (
             lambda r: {"after": mirrored(r)},

@@ -263,7 +263,8 @@ def test_limits_friction_and_reductions_are_taken(tmp_path: Path) -> None:
 
 def test_a_continuous_joint_has_no_position_limits(tmp_path: Path) -> None:
     arm = mr.load_robot(written(tmp_path, two_links(LIMIT, kind="continuous")))
-    assert arm.joint_types == ("revolute",)
+    assert arm.joint_types == ("continuous",)
+    assert arm.to_dict()["joints"][0]["type"] == "continuous"
     assert np.isinf(arm.position_limits).all()
 
 

@@ -39,6 +39,7 @@ class Model:
         leader: _Ints,
         multiplier: _Array,
         offset: _Array,
+        wraps: _Ints,
     ) -> None: ...
     @property
     def n(self) -> int: ...
@@ -50,6 +51,9 @@ def enter_environment() -> tuple[int, int]:
 
 def leave_environment(caller: tuple[int, int]) -> None: ...
 def sincos(x: float) -> tuple[float, float]: ...
+def tracking_error(model: Model, q: _Array, q_des: _Array) -> _Array:
+    """The error e of (4), (k, n), for positions (k, n)."""
+
 def inverse_dynamics(
     model: Model,
     parameters: _Array,
@@ -155,6 +159,16 @@ class Controller:
         ddq_des: _Array,
     ) -> _Array:
         """Rows tau, nominal, v, phi_lo, phi_hi, rho."""
+    def torque(
+        self,
+        integral: float,
+        q: _Array,
+        dq: _Array,
+        q_des: _Array,
+        dq_des: _Array,
+        ddq_des: _Array,
+    ) -> tuple[_Array, float, float]:
+        """Rows as of `command`, the norm of rho, and f; the integrators stay as they are."""
     def time_commands(
         self,
         t: _Array,
@@ -168,6 +182,9 @@ class Controller:
     def reset(self) -> None: ...
     @property
     def rho_norm(self) -> float: ...
+    @property
+    def integral_rate(self) -> float:
+        """f of the error at the last command."""
     @property
     def kappa(self) -> float: ...
     @property

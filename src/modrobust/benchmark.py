@@ -240,7 +240,7 @@ def random_tightness(
     """
     rng = np.random.default_rng(seed)
     n = robot.n
-    revolute = np.array([kind == "revolute" for kind in robot.joint_types[: robot.n]])
+    revolute = robot.turns[: robot.n]
     reach = np.where(revolute, np.pi, 0.5)  # [rad], [m]
     lo, hi = robot.position_limits.T
     q = rng.uniform(
@@ -266,7 +266,7 @@ def trajectory_tightness(run: SimulationResult, states: int = 1000) -> Tightness
     rows = moving if len(moving) else np.arange(len(run.t))
     rows = rows[np.linspace(0, len(rows) - 1, min(states, len(rows))).astype(int)]
     K_r = np.asarray(run.controller.K_r)
-    dq_a = run.dq_des + K_r * (run.q_des - run.q)  # (4)
+    dq_a = run.dq_des + K_r * run.robot.tracking_error(run.q, run.q_des)  # (4)
     ddq_a = run.ddq_des + K_r * (run.dq_des - run.dq)
     chosen = (run.q[rows], run.dq[rows], dq_a[rows], ddq_a[rows])
     return _tightness(run.robot, f"{len(rows)} states of the trajectory", chosen, search=True)

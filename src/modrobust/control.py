@@ -2,10 +2,13 @@ r"""The robust tracking controller: a nominal passivity-based torque and a worst
 
 .. math::
    u &= M(q, \Delta_0)\,\ddot q_a + C(q, \dot q, \Delta_0)\,\dot q_a + g(q, \Delta_0) + v  & (3) \\
-   \dot q_a &= \dot q_d + K_r \tilde q, \quad \tilde q = q_d - q,
+   \dot q_a &= \dot q_d + K_r \tilde q, \quad \tilde q = q_d - q - 2\pi k,
      \quad r = \dot{\tilde q} + K_r \tilde q                                               & (4) \\
    v &= \left(\kappa(t)\,\|\rho([\Phi])\| + \varphi(t)\right) r                            & (7) \\
    \rho([\Phi]) &= \max(|\underline\Phi|, |\overline\Phi|)                                 & (8)
+
+k is the whole number with which no entry is beyond half a turn where a joint is continuous, and 0
+elsewhere (`Robot.wraps`).
 
 Source: Giusti and Althoff 2017. The command is computed in C, ``mr_command``.
 """
@@ -23,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from modrobust import _kernel
 from modrobust.arguments import as_number
 from modrobust.arrays import as_array, as_real
-from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.errors import ModrobustError, ShapeError, ValueRangeError
 from modrobust.kernel import METHODS, own_environment, status_error
 from modrobust.names import did_you_mean
 from modrobust.robot import ControllerSettings, Robot, check_robot
@@ -31,6 +34,8 @@ from modrobust.robot import ControllerSettings, Robot, check_robot
 Array = NDArray[np.float64]
 
 LAWS: Mapping[str, int] = {"norm": 0}
+
+SOLVER_ERROR = 1e-6  # [rad s]: the usual absolute tolerance of ODE solvers
 
 PerJoint = float | Mapping[str, float] | Sequence[float] | Array
 
@@ -53,6 +58,8 @@ class Command:
     """Worst case of each joint, (8)."""
     rho_norm: float
     """Euclidean norm of ``rho``."""
+    integral_rate: float
+    """f of the tracking error's norm: how fast the integral of the gains grows."""
 
 
 class RobustController:
@@ -133,13 +140,14 @@ class RobustController:
         """The torque for the state measured at time ``t``.
 
         Args:
-            t: Time [s]; not before that of the previous command.
+            t: Time [s]; not before that of the previous command, but for its rounding.
             q, dq: Measured positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
             q_des, dq_des, ddq_des: Desired motion at ``t``, ``(n,)``.
 
         Raises:
             ShapeError: A vector does not have ``n`` entries.
-            ValueRangeError: A number is none or not finite, or a joint angle is beyond 1e5 rad.
+            ValueRangeError: A number is none or not finite, or a joint angle is beyond 1e5 rad, or
+                the desired one of a joint that wraps.
             TimeOrderError: ``t`` is before the previous command's; see `reset`.
 
         On an error the integrators are as they were: the next command can follow.
@@ -151,9 +159,52 @@ class RobustController:
         try:
             out = self.kernel.command(time, *signals.values())
         except _kernel.KernelError as problem:
-            raise status_error(problem, signals) from None
+            raise self._refusal(problem, signals) from None
         tau, nominal, v, phi_lo, phi_hi, rho = out
-        return Command(tau, nominal, v, phi_lo, phi_hi, rho, self.kernel.rho_norm)
+        kernel = self.kernel
+        return Command(tau, nominal, v, phi_lo, phi_hi, rho, kernel.rho_norm, kernel.integral_rate)
+
+    def torque(
+        self,
+        q: ArrayLike,
+        dq: ArrayLike,
+        q_des: ArrayLike,
+        dq_des: ArrayLike,
+        ddq_des: ArrayLike,
+        integral: float = 0.0,
+    ) -> Command:
+        r"""The torque as a function of the state alone, for somebody else's loop or ODE solver.
+
+        .. math:: \frac{d}{dt}\,\text{integral} = f(\|\tilde q\|)
+
+        A solver carries ``integral`` as one more state, whose rate is the answer's
+        ``integral_rate``. Nothing of this controller's own is read or changed: no time, no
+        integrals.
+
+        Args:
+            q, dq: Positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
+            q_des, dq_des, ddq_des: Desired motion at the same instant, ``(n,)``.
+            integral: Of f over time, in units of the error times s; not negative. What a solver's
+                error makes of 0, from -1e-6 on, counts as 0.
+
+        Raises:
+            ShapeError: A vector does not have ``n`` entries.
+            ValueRangeError: A number is none, not finite or negative, or an angle is beyond 1e5 rad
+                as for `command`.
+        """
+        value = as_number("integral", integral)
+        if not (math.isfinite(value) and value >= -SOLVER_ERROR):
+            raise ValueRangeError(
+                f"integral: {value:g}; must be finite and not negative: it is the integral of f, "
+                "which never is; it starts at 0"
+            )
+        signals = self._signals((), q=q, dq=dq, q_des=q_des, dq_des=dq_des, ddq_des=ddq_des)
+        try:
+            out, rho_norm, rate = self.kernel.torque(max(value, 0.0), *signals.values())
+        except _kernel.KernelError as problem:
+            raise self._refusal(problem, signals) from None
+        tau, nominal, v, phi_lo, phi_hi, rho = out
+        return Command(tau, nominal, v, phi_lo, phi_hi, rho, rho_norm, rate)
 
     def reset(self) -> None:
         """Forget time and integrals, as if no command had been given yet."""
@@ -189,7 +240,20 @@ class RobustController:
         try:
             return self.kernel.time_commands(instants, *signals.values())
         except _kernel.KernelError as problem:
-            raise status_error(problem, signals) from None
+            raise self._refusal(problem, signals) from None
+
+    def _refusal(
+        self, problem: _kernel.KernelError, signals: Mapping[str, Array]
+    ) -> ModrobustError:
+        """The exception that says which signal is at fault."""
+        turning = self.robot.turns[: self.robot.n]
+        if (
+            problem.args[0] == _kernel.STATUS_ANGLE_RANGE
+            and (np.abs(signals["q"][..., turning]) <= _kernel.ANGLE_MAX).all()
+            and (np.abs(signals["q_des"][..., self.robot.wraps]) > _kernel.ANGLE_MAX).any()
+        ):
+            signals = {"q_des": np.where(self.robot.wraps, signals["q_des"], 0.0)}
+        return status_error(problem, signals)
 
     def _signals(self, rows: tuple[int, ...], **named: ArrayLike) -> dict[str, Array]:
         shape = (*rows, self.robot.n)

@@ -54,7 +54,7 @@ class EngineLoop:
         self._total_variation: Array = np.zeros(robot.n)
         self._tau_previous: Array = np.zeros(robot.n)
         self._controller, self._plant, self._dt = controller.kernel, plant, dt
-        self._model = robot.model
+        self._robot, self._model = robot, robot.model
         self._true, self._disturbance = true_parameters.packed, true_disturbance
         box = np.stack([robot.disturbance.lo, robot.disturbance.hi])
         self._box = robot.nominal.packed, robot.lower.packed, robot.upper.packed, box
@@ -112,18 +112,21 @@ class EngineLoop:
         t = self.time
         q, dq = self._plant.q, self._plant.dq
         tau, nominal, _, lo, hi, rho = self._controller.command(t, q, dq, qd, dqd, ddqd)
-        dq_a = dqd + self._K_r * (qd - q)
+        error = self._robot.tracking_error(q, qd)
+        dq_a = dqd + self._K_r * error
         ddq_a = ddqd + self._K_r * (dqd - dq)
         reference = (q, dq, dq_a, ddq_a)
         widths = {name: self._width(method, reference) for name, method in _WIDTHS.items() if keep}
-        true, error = _kernel.inverse_dynamics_rounding(self._model, self._true, *reference, True)
+        true, rounding = _kernel.inverse_dynamics_rounding(
+            self._model, self._true, *reference, True
+        )
         w = true - nominal - self._disturbance
         sizes = np.abs(true) + np.abs(nominal) + np.abs(self._disturbance)
-        excess = float((np.maximum(lo - w, w - hi) - (error + 2.0**-52 * sizes)).max())
+        excess = float((np.maximum(lo - w, w - hi) - (rounding + 2.0**-52 * sizes)).max())
         if excess > 0.0:  # (24)
             self.violations += 1
             self.violation_max = max(self.violation_max, excess)
-        self._measure(t, qd - q, tau)
+        self._measure(t, error, tau)
         values = (q, dq, qd, dqd, ddqd, tau, w, lo, hi, rho)
         logged = dict(zip(_LOGGED, values, strict=True)) if keep else {}
         if keep:

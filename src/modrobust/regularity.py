@@ -60,7 +60,7 @@ def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
 
 def _turns_too_far(robot: Robot, where: Sequence[Where], q: Array) -> DescriptionError:
     """What to say where a follower's angle (15) passes what the kernel computes with."""
-    revolute = np.array(robot.joint_types) == "revolute"
+    revolute = robot.turns
     joint = int(np.argmax(np.where(revolute, np.abs(robot.all_positions(q)), 0.0)))
     f, k = robot.followers, joint - robot.n
     leader = f.leaders[k]

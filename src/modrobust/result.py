@@ -104,8 +104,8 @@ class SimulationResult:
     @property
     @own_environment()
     def error(self) -> Array:
-        """Norm of the tracking error at the logged ticks, (m,)."""
-        return np.asarray(np.linalg.norm(self.q_des - self.q, axis=1))
+        """Norm of the tracking error e of (4) at the logged ticks, (m,)."""
+        return np.asarray(np.linalg.norm(self.robot.tracking_error(self.q, self.q_des), axis=1))
 
     @property
     def diverged(self) -> bool:
@@ -160,7 +160,7 @@ class SimulationResult:
             )
         for j, limit in enumerate(self.robot.effort_limits):
             if s.tau_max[j] > limit:
-                unit = "N m" if self.robot.joint_types[j] == "revolute" else "N"
+                unit = "N m" if self.robot.turns[j] else "N"
                 reasons.append(
                     f'joint "{self.robot.joint_names[j]}" needed {s.tau_max[j]:.4g} {unit}, '
                     f"beyond its limit of {limit:.4g} {unit}"

@@ -21,7 +21,7 @@ from modrobust.dh import DHTable, dh_table
 from modrobust.errors import ValueRangeError
 from modrobust.kernel import own_environment
 from modrobust.parameters import Bounded, Parameters, freeze, remade
-from modrobust.robot_checks import check_box, check_lengths, check_rigid, check_tree
+from modrobust.robot_checks import check_box, check_endless, check_lengths, check_rigid, check_tree
 from modrobust.robot_parts import ControllerSettings, Followers, ModuleNode, TrajectorySettings
 from modrobust.sampling import corner_point, physical_pull, sample_point
 
@@ -47,7 +47,7 @@ class Robot:
     gravity: Array  # (3,) [m/s^2], world axes
     base: Array  # (4, 4), world to base frame
     joint_names: tuple[str, ...]
-    joint_types: tuple[str, ...]  # (j) "revolute" or "prismatic"
+    joint_types: tuple[str, ...]  # (j) "revolute", "continuous" or "prismatic"
     parents: NDArray[np.int32]  # (j,), -1 = base; parents[i] < i
     before: Array  # (j, 4, 4)
     after: Array  # (j, 4, 4)
@@ -123,6 +123,7 @@ class Robot:
             owner,
         )
         check_tree(self.joint_types, self.parents, self.body_joints, f.leaders, n)
+        check_endless(self.joint_names, self.joint_types, self.position_limits)
         for name in ("base", "before", "after", "placement"):
             check_rigid(name, getattr(self, name))
         for name in ("mass", "com", "inertia", "rotor_inertia", "viscous", "coulomb"):
@@ -149,6 +150,44 @@ class Robot:
     def all_joint_names(self) -> tuple[str, ...]:
         """Names of the j joints, the free ones first."""
         return self.joint_names + self.followers.names
+
+    @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """Whether each joint (j,) turns, with limits or without; it slides otherwise."""
+        return np.array([kind != "prismatic" for kind in self.joint_types], dtype=bool)
+
+    @cached_property
+    def wraps(self) -> NDArray[np.bool_]:
+        """Whether the error (4) of each free joint (n,) is taken less whole turns.
+
+        So it is of a continuous joint, unless a joint follows it that slides or turns by another
+        amount than whole turns when this one makes one: then a turn leads to another pose.
+        """
+        wraps = np.array([kind == "continuous" for kind in self.joint_types[: self.n]], dtype=bool)
+        f = self.followers
+        for k, leader in enumerate(f.leaders):
+            whole = float(f.multiplier[k]).is_integer()
+            wraps[leader] &= bool(self.turns[self.n + k]) and whole
+        return wraps
+
+    @own_environment()
+    def tracking_error(self, q: Array, q_des: Array) -> Array:
+        """The error e of (4), ``(n,)`` or ``(k, n)`` [rad] or [m]: what the controller acts on.
+
+        q_des - q; of a joint that wraps less the whole turns that leave at most half a one, where
+        both angles are ones that the controller takes.
+        """
+        error = np.asarray(q_des - q, dtype=np.float64)
+        if not self.wraps.any():
+            return error
+        rows = np.ascontiguousarray(np.atleast_2d(q)), np.ascontiguousarray(np.atleast_2d(q_des))
+        near = np.ones(len(rows[0]), dtype=bool)
+        for x in rows:
+            near &= np.isfinite(x).all(axis=1)
+            near &= (np.abs(x[:, self.wraps]) <= _kernel.ANGLE_MAX).all(axis=1)
+        reduced = np.atleast_2d(error)
+        reduced[near] = _kernel.tracking_error(self.model, *(x[near] for x in rows))
+        return reduced.reshape(error.shape)
 
     @own_environment()
     def all_positions(self, q: Array) -> Array:
@@ -178,6 +217,7 @@ class Robot:
             self.followers.leaders,
             self.followers.multiplier,
             self.followers.offset,
+            self.wraps.astype(np.int32),
         )
 
     @cached_property

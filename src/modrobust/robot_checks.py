@@ -30,8 +30,10 @@ def check_tree(
     """Refuses unknown joint types and indices that lead nowhere; parents come before children."""
     j = len(joint_types)
     for i, kind in enumerate(joint_types):
-        if kind not in ("revolute", "prismatic"):
-            raise ValueRangeError(f'joint_types[{i}] is "{kind}"; known: revolute, prismatic')
+        if kind not in ("revolute", "continuous", "prismatic"):
+            raise ValueRangeError(
+                f'joint_types[{i}] is "{kind}"; known: revolute, continuous, prismatic'
+            )
     for name, index, first, last, rule in (
         ("parents", parents, -1, np.arange(j) - 1, "a joint before its child, or -1, the base"),
         ("body_joints", body_joints, -1, j - 1, "a joint, or -1, the base"),
@@ -39,6 +41,16 @@ def check_tree(
     ):
         for k in np.flatnonzero((index < first) | (index > last))[:1]:
             raise ValueRangeError(f"{name}[{k}] is {index[k]}; it must be {rule}")
+
+
+def check_endless(names: Sequence[str], joint_types: Sequence[str], limits: Array) -> None:
+    """Refuses position limits (n, 2) of a continuous joint, whose error wraps across them."""
+    for name, kind, (lo, hi) in zip(names, joint_types, limits, strict=False):
+        if kind == "continuous" and (np.isfinite(lo) or np.isfinite(hi)):
+            raise ValueRangeError(
+                f'position_limits: joint "{name}" is continuous and has [{lo:g}, {hi:g}]; a '
+                "continuous joint has none; make it revolute, or leave them out"
+            )
 
 
 def check_rigid(name: str, transforms: Array) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from modrobust.parts import PlacedJoint
@@ -47,6 +47,30 @@ def within_followers(joints: Sequence[PlacedJoint], notes: list[str]) -> tuple[P
                     f"joint {leader.name}: speed limit {fastest:g}, so that joint "
                     f"{follower.name}, which follows it, keeps its own"
                 )
-        item = replace(leader.item, position=position, velocity=velocity)
+        # An end that a follower sets is an end: the joint does not turn endlessly any more.
+        endless = leader.item.type == "continuous" and position is None
+        kind = leader.item.type if endless or not _turns(leader) else "revolute"
+        item = replace(leader.item, type=kind, position=position, velocity=velocity)
         result[index] = replace(leader, item=item)
+    notes += _unwrapped(result)
     return tuple(result)
+
+
+def _unwrapped(joints: Sequence[PlacedJoint]) -> Iterator[str]:
+    """Remarks on continuous joints that cannot be brought back by a whole turn, `Robot.wraps`."""
+    for follower in joints:
+        if follower.follows is None:
+            continue
+        index, multiplier, _ = follower.follows
+        leader = joints[index]
+        if leader.item.type != "continuous" or (_turns(follower) and multiplier.is_integer()):
+            continue
+        moves = f"turns {multiplier:g} times as far" if _turns(follower) else "slides"
+        yield (
+            f"joint {leader.name}: continuous, but its error is not taken less whole turns, since "
+            f"joint {follower.name}, which follows it, {moves}: a turn leads to another pose"
+        )
+
+
+def _turns(joint: PlacedJoint) -> bool:
+    return joint.item.type != "prismatic"

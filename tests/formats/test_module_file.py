@@ -71,11 +71,11 @@ def test_each_way_of_writing_a_span_gives_its_transform(load, span, matrix):
     assert body.span.rounded() == pytest.approx(matrix, abs=1e-15)
 
 
-def test_a_continuous_joint_is_revolute_without_position_limits(load):
+def test_a_continuous_joint_is_one_without_position_limits(load):
     joint = load(("type: revolute", "type: continuous"), ("position: [-1 rad, 1 rad], ", "")).items[
         0
     ]
-    assert (joint.type, joint.position) == ("revolute", None)
+    assert (joint.type, joint.position) == ("continuous", None)
 
 
 def test_an_own_bound_wins_over_the_tolerance_and_the_tolerance_is_reported_unused(load):

@@ -130,7 +130,7 @@ def data(robot: mr.Robot, method: str, rate: float) -> str:
     out.append(
         f"static const mr_model command_model = {{{robot.n}, {j}, {b}, types, parents, before, "
         "after, ratios, speeds, leaders, multipliers, offsets, body_joints, placements, "
-        f"{{{floats(x + y + z)}}}, NULL}};\n"
+        f"{{{floats(x + y + z)}}}, NULL, NULL}};\n"
     )
     ends = np.cumsum([0, b, 3 * b, 6 * b, j, j])
     views = [", ".join(f"{name} + {end}" for end in ends) for name in points]

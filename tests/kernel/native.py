@@ -47,6 +47,7 @@ class Model(Structure):
         ("placement", Doubles),
         ("gravity", c_double * 3),
         ("folded", Doubles),
+        ("wraps", Ints),
     )
 
 
@@ -208,6 +209,8 @@ class Native:
         folded = memory.empty(self.size("folded"))
         library.mr_fold(byref(self._model), folded)
         self._model.folded = folded
+        if robot.wraps.any():
+            self._model.wraps = memory.ints(robot.wraps)
         self._nominal = self._point(robot.nominal)
         self._bounds = self._box()
 

@@ -138,5 +138,5 @@ def model_maker(robot: Robot) -> Callable[[], _kernel.Model]:
     return lambda: _kernel.Model(
         types, robot.parents, robot.before, robot.after, robot.gravity, robot.body_joints,
         robot.placement, robot.gear_ratio, robot.coulomb_speed, followers.leaders,
-        followers.multiplier, followers.offset,
+        followers.multiplier, followers.offset, robot.wraps.astype(np.int32),
     )  # fmt: skip

@@ -121,7 +121,7 @@ def _links(report: Report) -> Table:
 def _joints(report: Report) -> Table:
     rows = table("joint", "", "position", "speed", "limit", "static", "share", left=2)
     for joint in report.joints:
-        revolute = joint.type == "revolute"
+        revolute = joint.type != "prismatic"
         position = joint.position
         rows.add_row(
             joint.name,

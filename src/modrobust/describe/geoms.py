@@ -74,7 +74,7 @@ def add_geoms(frames: dict[int, ET.Element], robot: Robot, point: Parameters) ->
 
 
 def _axis(frame: ET.Element, robot: Robot, i: int, r: float) -> None:
-    if robot.joint_types[i] == "revolute":
+    if robot.turns[i]:
         _geom(frame, "cylinder", _JOINT, {"size": numbers([1.22 * r, 1.15 * r])})
     else:
         _geom(frame, "box", _JOINT, {"size": numbers([1.3 * r, 1.3 * r, 1.6 * r])})

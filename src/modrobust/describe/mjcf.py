@@ -131,7 +131,7 @@ def _frame(parent: ET.Element, name: str, T: Array) -> ET.Element:
 
 
 def _joint(body: ET.Element, robot: Robot, point: Parameters, i: int) -> None:
-    kind = "hinge" if robot.joint_types[i] == "revolute" else "slide"
+    kind = "hinge" if robot.turns[i] else "slide"
     joint = ET.SubElement(body, "joint", name=robot.all_joint_names[i], type=kind, axis="0 0 1")
     limits = joint_range(robot, i)
     if np.isfinite(limits).all():

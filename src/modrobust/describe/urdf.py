@@ -103,18 +103,17 @@ def _joint(
     lo, hi = joint_range(robot, i)
     endless = not (np.isfinite(lo) and np.isfinite(hi))
     kind = robot.joint_types[i]
-    joint = ET.SubElement(
-        root,
-        "joint",
-        name=robot.all_joint_names[i],
-        type="continuous" if endless and kind == "revolute" else kind,
-    )
+    if robot.turns[i]:  # a joint that follows has no end nor error of its own
+        kind = "continuous" if endless and (i >= robot.n or kind == "continuous") else "revolute"
+    joint = ET.SubElement(root, "joint", name=robot.all_joint_names[i], type=kind)
     _origin(joint, joint_origin(robot, i))
     ET.SubElement(joint, "parent", link=parent)
     ET.SubElement(joint, "child", link=child)
     ET.SubElement(joint, "axis", xyz="0 0 1")
     limit = ET.SubElement(joint, "limit")
-    if not (endless and kind == "revolute"):
+    if kind != "continuous":
+        if kind == "revolute" and endless:  # nor one end: readers want both or none
+            lo, hi = -NO_LIMIT, NO_LIMIT
         limit.set("lower", number(np.clip(lo, -NO_LIMIT, NO_LIMIT)))
         limit.set("upper", number(np.clip(hi, -NO_LIMIT, NO_LIMIT)))
     free = i < robot.n
@@ -168,14 +167,15 @@ def _lost(robot: Robot, point: Parameters) -> list[str]:
         )
     if tuple(robot.gravity) != _STANDARD_GRAVITY:
         lost.append(f"gravity ({numbers(robot.gravity)}) m/s^2; readers assume (0 0 -9.81)")
-    revolute = np.array([kind == "revolute" for kind in robot.joint_types[: robot.n]])
+    revolute = robot.turns[: robot.n]
+    continuous = np.array([kind == "continuous" for kind in robot.joint_types[: robot.n]])
     finite = np.isfinite(robot.position_limits)
     half_open = revolute & (finite.sum(axis=1) == 1)
     if half_open.any():
         lost.append(f"the one-sided position limit of {listed(robot, half_open)}")
     unknown = np.full(robot.j - robot.n, np.inf)  # those of followers
     missing = (
-        ("position", ~revolute & ~finite.all(axis=1)),
+        ("position", ~continuous & ~finite.all(axis=1)),
         ("velocity", ~np.isfinite(np.append(robot.velocity_limits, unknown))),
         ("effort", ~np.isfinite(np.append(robot.effort_limits, unknown))),
     )

@@ -23,7 +23,7 @@ class JointItem:
     """A joint about or along z of the frame where the chain has got to; it has no span."""
 
     name: str
-    type: str  # "revolute" or "prismatic"; a continuous joint is revolute without position limits
+    type: str  # "revolute", "continuous" (it has no position limits) or "prismatic"
     position: tuple[float, float] | None  # [rad] or [m]
     velocity: float | None  # [rad/s] or [m/s]
     effort: float | None  # [N m] or [N]

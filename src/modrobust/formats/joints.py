@@ -60,7 +60,7 @@ def read_joint(model: JointModel, prefix: str, tolerances: Tolerances) -> JointI
     )
     return JointItem(
         name=model.joint,
-        type=kind,
+        type=model.type,
         position=_position(model, limits, dimensions["position"], prefix),
         velocity=_limit(limits, "velocity", dimensions["velocity"], prefix),
         effort=_effort(limits, kind, prefix),

@@ -103,6 +103,11 @@ mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const 
                                           state, loop, log, logged));
 }
 
+mr_status mr_tracking_error(const mr_model *model, const double *q, const double *q_des,
+                            double *error) {
+    IN_OUR_ENVIRONMENT(mr_do_tracking_error(model, q, q_des, error));
+}
+
 void mr_sincos(double x, double *sine, double *cosine) {
     const mr_environment caller = mr_enter();
     mr_do_sincos(x, sine, cosine);

@@ -270,10 +270,26 @@ mr_status mr_torque_with_error(const mr_model *model, const mr_parameters *param
                                const mr_slack_constants *constants, const mr_state *given,
                                int drives, double *workspace, double *tau, double *error);
 
+/* Error e of (4) of a joint that wraps, and what its rounding is relative to: at most MR_U size. */
+typedef struct {
+    double e, size;
+} mr_error;
+mr_error mr_wrapped_error(double q_des, double q);
+
+/* e of (4) of joint i. */
+static inline double mr_error_of(const mr_model *model, int32_t i, const double *q_des,
+                                 const double *q) {
+    if (model->wraps && model->wraps[i]) return mr_wrapped_error(q_des[i], q[i]).e;
+    return q_des[i] - q[i];
+}
+
+/* Whether the desired angle of a joint that wraps is beyond what can be reduced. */
+int mr_beyond_wrapping(const mr_model *model, const double *q_des);
+
 /* Auxiliary velocity and acceleration (n) of (4), and the sizes of their terms. */
-mr_state mr_auxiliary(int32_t n, const mr_gains *gains, const double *q, const double *dq,
-                      const double *q_des, const double *dq_des, const double *ddq_des,
-                      double *const a[4]);
+mr_state mr_auxiliary(const mr_model *model, const mr_gains *gains, const double *q,
+                      const double *dq, const double *q_des, const double *dq_des,
+                      const double *ddq_des, double *const a[4]);
 
 /* Composite-body mass matrix (n, n) on links whose R and p are filled in; M has (j, j) room. */
 void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
@@ -307,6 +323,8 @@ mr_status mr_do_forward_dynamics(const mr_model *model, const mr_parameters *par
                                  double *workspace, double *ddq);
 mr_status mr_do_forward_kinematics(const mr_model *model, const double *q, double *workspace,
                                    mr_transform *frames);
+mr_status mr_do_tracking_error(const mr_model *model, const double *q, const double *q_des,
+                               double *error);
 mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
                         double t, const double *q, const double *dq, const double *q_des,
                         const double *dq_des, const double *ddq_des, double *workspace,

@@ -23,9 +23,9 @@ extern "C" {
 typedef enum {
     MR_OK = 0,
     MR_NOT_FINITE = 1,  /* an input or a result is infinite or not a number */
-    MR_ANGLE_RANGE = 2, /* a joint angle beyond MR_ANGLE_MAX */
+    MR_ANGLE_RANGE = 2, /* an angle beyond MR_ANGLE_MAX: of a joint, or desired of one that wraps */
     MR_SINGULAR = 3,    /* the mass matrix is not positive definite */
-    MR_TIME = 4,        /* time went backwards between two commands */
+    MR_TIME = 4,        /* time went backwards between two commands, by more than rounding */
     MR_DIVERGED = 5,    /* the closed loop left the range of the kernel */
     MR_PLATFORM = 6     /* this machine's arithmetic is not the one that the proof is about */
 } mr_status;
@@ -44,7 +44,9 @@ typedef struct {
 
 /* Geometry of a robot with b bodies and j joints, (14). parent[i] < i, -1 is the base. The first n
  * joints move freely; the j - n others follow one of them, (15): every vector of positions,
- * velocities, accelerations and torques has n entries, every array of joint data has j. */
+ * velocities, accelerations and torques has n entries, every array of joint data has j. A revolute
+ * joint that wraps may be turned endlessly: its followers shall then be revolute and their
+ * multipliers whole. */
 typedef struct {
     int32_t n;
     int32_t j;
@@ -62,6 +64,7 @@ typedef struct {
     const mr_transform *placement; /* (b) body frame in its link frame */
     double gravity[3];             /* in the base frame [m/s^2] */
     const double *folded;          /* what mr_fold computed from all above */
+    const int32_t *wraps;          /* (n) not 0: error of (4) less whole turns; NULL: nowhere */
 } mr_model;
 
 /* Computes the model's constants once, into mr_folded_size doubles; model->folded shall then point
@@ -175,11 +178,16 @@ typedef struct {
 } mr_gains;
 
 typedef struct {
-    double integral;       /* of f(|q_des - q|) over time */
+    double integral;       /* of f(|e|) over time, e of (4) */
     double previous_f;     /* f at the previous command */
     double previous_time;  /* [s] */
     int32_t started;       /* 0 before the first command */
 } mr_controller_state;
+
+/* The error e of (4) (n): q_des - q, of a joint that wraps less the whole turns that leave at most
+ * half a one. */
+mr_status mr_tracking_error(const mr_model *model, const double *q, const double *q_des,
+                            double *error);
 
 /* Arrays of n doubles that the caller provides. */
 typedef struct {
@@ -209,7 +217,7 @@ typedef struct {
     int64_t ticks;      /* ticks done; time = ticks * dt */
     int64_t violations; /* ticks at which w left [Phi], (24) */
     double violation_max;
-    double error_last;      /* |q_des - q| at the last tick */
+    double error_last;      /* |e| of (4) at the last tick */
     double last_outside;    /* last time with error >= epsilon, -1 if never [s] */
     double error_max_after; /* largest error since then */
     double rho_sum, rho_max;

@@ -106,7 +106,7 @@ static void measure(const mr_model *model, const mr_gains *gains, double t, cons
                     const double *tau, double rho_norm, mr_loop *loop) {
     double error = 0.0;
     for (int32_t i = 0; i < model->n; ++i) {
-        const double e = q_des[i] - loop->q[i], size = fabs(tau[i]);
+        const double e = mr_error_of(model, i, q_des, loop->q), size = fabs(tau[i]);
         error += e * e;
         if (loop->ticks > 0) loop->total_variation[i] += fabs(tau[i] - loop->tau_previous[i]);
         loop->tau_previous[i] = tau[i];
@@ -149,7 +149,7 @@ mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, con
                           state, &out))
             return MR_DIVERGED;
         const mr_state at =
-            mr_auxiliary(n, gains, loop->q, loop->dq, qd, dqd, ddqd, &a[DQ_A]);
+            mr_auxiliary(model, gains, loop->q, loop->dq, qd, dqd, ddqd, &a[DQ_A]);
         for (int32_t i = 0; i < n; ++i) a[DRIVE][i] = out.tau[i] + true_disturbance[i];
         const int keep = loop->ticks % log_every == 0;
         if (keep && log_widths(model, bounds, &at, workspace, a, *logged, log)) {

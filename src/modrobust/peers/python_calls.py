@@ -177,7 +177,7 @@ def _twin(pin: ModuleType, robot: Robot) -> tuple[Any, list[int]]:
     order = depth_first(robot)
     ids = {-1: 0}
     for i in order:
-        kind = pin.JointModelRZ() if robot.joint_types[i] == "revolute" else pin.JointModelPZ()
+        kind = pin.JointModelRZ() if robot.turns[i] else pin.JointModelPZ()
         parent = int(robot.parents[i])
         T = robot.before[i] if parent < 0 else robot.after[parent] @ robot.before[i]
         ids[i] = model.addJoint(ids[parent], kind, se3(T), f"joint{i}")
