@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from modrobust.errors import ValueRangeError
 from modrobust.robot import Robot
-from modrobust.trajectory import Trajectory
+from modrobust.trajectory import Splined, Trajectory
 
 Array = NDArray[np.float64]
+
+_STILL = 1e-3  # [rad/s] or [m/s]: recordings come to rest to this
 
 
 def check_limits(robot: Robot, trajectory: Trajectory, duration: float) -> None:
@@ -100,6 +102,35 @@ def _refusal(
         f'{name}: joint "{robot.joint_names[j]}" {kind.verb} {value:.6g} {unit}{where}; its '
         f"{kind.name} must stay in [{lo[j]:.6g}, {hi[j]:.6g}] {unit}; {remedy}"
     )
+
+
+def motion_remarks(robot: Robot, trajectory: Trajectory, duration: float) -> list[str]:
+    """What a splined motion was made into or ends with that its file does not say.
+
+    Args:
+        robot: The robot.
+        trajectory: Its motion.
+        duration: Of the run [s].
+    """
+    if not isinstance(trajectory, Splined):
+        return []
+    said = [
+        f'joint "{name}" is continuous: {count} jump{"s" * (count > 1)} by a whole turn between '
+        "rows of the motion left out, so that it goes on"
+        for name, count in zip(robot.joint_names, trajectory.unwrapped, strict=False)
+        if count
+    ]
+    end = trajectory.times[-1]
+    speed = np.abs(trajectory.sample([end])[1][0])
+    j = int(np.argmax(speed))
+    if duration > end and speed[j] > _STILL:
+        unit = "rad" if robot.turns[j] else "m"
+        said.append(
+            f'the motion is under way at its last row, t = {end:g} s (joint "'
+            f'{robot.joint_names[j]}" at {speed[j]:.3g} {unit}/s), and is held from there: the '
+            "desired speed jumps; add rows that bring it to rest"
+        )
+    return said
 
 
 def check_duration(duration: float, trajectory: Trajectory | None = None) -> None:

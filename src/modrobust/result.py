@@ -121,6 +121,12 @@ class SimulationResult:
             return None
         return 0.0 if s.last_outside < 0.0 else s.last_outside + 1.0 / self.settings["control_rate"]
 
+    @property
+    def cut_short(self) -> bool:
+        """Whether the motion takes longer than the run was to: epsilon is not judged then."""
+        whole = self.settings.get("motion_time")
+        return whole is not None and self.settings["duration"] < whole * (1.0 - 1e-12)
+
     @cached_property
     def command_seconds(self) -> Array:
         """Time of each command in C [s], from a replay of the logged inputs; perhaps empty.
@@ -153,7 +159,7 @@ class SimulationResult:
             reasons.append(f"the bound was violated at {s.violations} of {s.ticks} ticks")
         if self.diverged:
             reasons.append(f"the loop diverged at {s.time:.6g} s")
-        elif self.epsilon_entered_at is None:
+        elif self.epsilon_entered_at is None and not self.cut_short:
             reasons.append(
                 f"the tracking error did not stay below epsilon = {self.controller.epsilon:g}: "
                 f"{s.error_last:.3g} at the end"
@@ -176,15 +182,20 @@ class SimulationResult:
     @property
     @own_environment()
     def remarks(self) -> list[str]:
-        """What the verdict does not judge, one sentence each: torques that shake, and positions
-        and velocities beyond their limits, which the controller does not know. Of the logged ticks.
+        """What the verdict does not judge, one sentence each: of the motion, torques that shake,
+        and positions and velocities beyond their limits, which the controller does not know. Of
+        the logged ticks.
         """
         duration = self.settings["duration"]
-        return remarks(self.robot, duration, self.t, self.q, self.dq, self.chattering)
+        of_run = remarks(self.robot, duration, self.t, self.q, self.dq, self.chattering)
+        return [*self.settings.get("motion_remarks", ()), *of_run]
 
     @property
     def ok(self) -> bool:
-        """No violation, no divergence, epsilon entered for good, torques within their limits."""
+        """No violation, no divergence, epsilon entered for good, torques within their limits.
+
+        Of a run that was `cut_short` epsilon is not judged.
+        """
         return not self.reasons
 
     @own_environment()
@@ -200,6 +211,7 @@ class SimulationResult:
             "violation_max": None if s is None else s.violation_max,
             "diverged": self.diverged,
             "epsilon_entered_at": self.epsilon_entered_at,
+            "cut_short": self.cut_short,
             "error_final": None if s is None else s.error_last,
             "error_max_after_entry": (
                 None if s is None or self.epsilon_entered_at is None else s.error_max_after

@@ -34,7 +34,7 @@ class TrajectorySettings:
     """The description's own trajectory: `kind` and its numbers, resolved per joint.
 
     kind "sines": q_des = amplitude * prod_k sin(omega_k t); amplitude (n,), omega (k,) [rad/s].
-    kind "quintic": rest-to-rest through points (k, n) at times (k,) [s].
+    kind "quintic": rest-to-rest through points (k, n) at times (k,) [s], or drawn ones.
     kind "csv": file, splined.
     """
 

@@ -28,7 +28,12 @@ from modrobust.engine_loop import EngineLoop
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
 from modrobust.metrics import plain
-from modrobust.motion_limits import check_duration, check_limits, check_start
+from modrobust.motion_limits import (
+    check_duration,
+    check_limits,
+    check_start,
+    motion_remarks,
+)
 from modrobust.names import did_you_mean
 from modrobust.plants import BUILTIN, check_plant, make_plant
 from modrobust.result import LOGGED, LoopStatistics, SimulationResult
@@ -37,6 +42,7 @@ from modrobust.trajectory import (
     DEFAULT_DURATION,
     Trajectory,
     make_trajectory,
+    motion_time,
 )
 
 Array = NDArray[np.float64]
@@ -159,7 +165,8 @@ def simulate(
         law, bound, K_r, kappa_P, kappa_I, phi_P, phi_I, epsilon: See `RobustController`.
         trajectory: See `make_trajectory`; the description's own when None.
         duration: Simulated time [s]; the trajectory's own when None, else 10 s. The last command is
-            given at the last whole tick within it.
+            given at the last whole tick within it. It does not change the motion: a shorter run is
+            its first part (``cut_short``), in a longer one its last pose is held.
         control_rate: Commands a second [Hz]; each is held until the next.
         substeps: Runge-Kutta steps between two commands.
         plant: What moves as the true robot: ``"builtin"``, or another engine, ``"mujoco"`` or
@@ -167,7 +174,7 @@ def simulate(
         q0, dq0: State at the start, ``(n,)``. When None: the description's ``initial`` where its
             own trajectory is used, else on the trajectory.
         disturbance: True disturbance ``(n,)`` [N m] or [N]; overrides the drawn one.
-        progress: Called between chunks with simulated and total time [s].
+        progress: Called before the run and between chunks with simulated and total time [s].
 
     Returns:
         The run; Ctrl-C ends it early and keeps what was computed (``interrupted`` is set), and so
@@ -197,7 +204,7 @@ def simulate(
         duration = as_number("duration", duration, "s")
         check_duration(duration)
         _tick_count(duration, control_rate)
-    motion = make_trajectory(robot, trajectory, duration)
+    motion = make_trajectory(robot, trajectory)
     if duration is None:
         duration = DEFAULT_DURATION if motion.duration is None else motion.duration
     check_duration(duration, motion)
@@ -224,6 +231,8 @@ def simulate(
         "seed": seed,
         **settings_dict(controller.settings),
         "trajectory": motion.to_dict(),
+        "motion_time": motion_time(motion),
+        "motion_remarks": motion_remarks(robot, motion, duration),
         "duration": duration,
         "control_rate": control_rate,
         "hold": "the command is evaluated at the control rate and held between",
@@ -286,6 +295,8 @@ class _Run:
         """Run all ticks, until Ctrl-C or divergence."""
         done, size = 0, self.log_every
         try:
+            if progress is not None:
+                progress(0.0, duration)
             while done < self.ticks:
                 count = min(size, self.ticks - done)
                 # k dt as the kernel computes it, never a running sum.

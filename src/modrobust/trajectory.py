@@ -23,7 +23,7 @@ from modrobust.kernel import own_environment
 from modrobust.names import did_you_mean
 from modrobust.robot import Robot
 from modrobust.spline import CubicSpline
-from modrobust.trajectory_file import read_trajectory_csv
+from modrobust.trajectory_file import read_trajectory_csv, unwrapped
 
 Array = NDArray[np.float64]
 Samples = tuple[Array, Array, Array]
@@ -37,6 +37,7 @@ QUINTIC_PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
 PAPER_AMPLITUDE = tuple(math.pi / x for x in (2.0, -4.0, 6.0, -6.0, 4.0, -2.0))  # [rad]
 PAPER_OMEGA = (math.pi / 5.0, math.pi / 2.0)  # [rad/s]
 
+_SAME_TIME = 1e-12  # relative: what rounding makes of the last tick
 _SPECS = ("paper", "quintic")
 _KNOWN = "paper, quintic, FILE.csv, quintic:FILE.csv"
 
@@ -181,26 +182,29 @@ class Quintic:
 
 @dataclass(frozen=True, eq=False)
 class Splined:
-    """A cubic spline through given rows; twice continuously differentiable.
+    """A cubic spline through given rows; holds the last after its time.
+
+    Twice continuously differentiable, but at its end where it is under way there.
 
     Args:
         times: Strictly increasing from 0, (k,) [s]; k >= 2.
         points: Positions, (k, n) [rad] or [m].
         duration: Default duration of a run [s]; the last time when None.
         source: Where the rows come from, for the settings of a run.
+        unwrapped: How many jumps by whole turns were taken out of each joint's rows, (n,).
 
     Raises:
         ShapeError: ``points`` does not have one row a time.
         ValueRangeError: A number is not finite, or the times do not increase.
 
-    See `modrobust.spline` for the end conditions. The motion may be under way at its last row,
-    so it is not defined beyond it.
+    See `modrobust.spline` for the end conditions.
     """
 
     times: Array
     points: Array
     duration: float | None = None
     source: str | None = None
+    unwrapped: tuple[int, ...] = ()
     _spline: CubicSpline = field(init=False, repr=False)
 
     @own_environment()
@@ -221,13 +225,17 @@ class Splined:
 
     @property
     def end(self) -> float:
-        """Time of the last row [s]."""
-        return float(self.times[-1])
+        """The last row is held."""
+        return math.inf
 
     @own_environment()
     def sample(self, t: ArrayLike) -> Samples:
-        """Derivatives of the spline; the end pieces go on beyond the ends."""
-        return self._spline(_instants(t))
+        """Derivatives of the spline; zero after the last row."""
+        instants = _instants(t)
+        q, dq, ddq = self._spline(instants)
+        held = instants > self.times[-1] * (1.0 + _SAME_TIME)
+        q[held], dq[held], ddq[held] = self.points[-1], 0.0, 0.0
+        return q, dq, ddq
 
     def to_dict(self) -> dict[str, Any]:
         """Kind and rows, or where they come from."""
@@ -307,14 +315,19 @@ def make_trajectory(
         spec: A trajectory; ``"paper"`` for (13); ``"quintic"`` for `default_trajectory`;
             ``"FILE.csv"``, splined; ``"quintic:FILE.csv"``, rest to rest through the rows; None
             for the description's own, or the default where it has none.
-        duration: Length of the default motion [s].
+        duration: Length of the default motion [s]; where None, that of a description whose motion
+            is a quintic without points, else 10 s.
 
     Raises:
         FileError, DescriptionError: The CSV file cannot be read, or a row of it is wrong.
         ShapeError: The trajectory has another number of joints than the robot.
         ValueRangeError: ``spec`` names no trajectory.
     """
-    trajectory = _make(robot, spec, DEFAULT_DURATION if duration is None else duration)
+    if duration is None:
+        own = robot.trajectory
+        of_default = own is not None and own.kind == "quintic" and not own.points
+        duration = (own.duration if own is not None and of_default else None) or DEFAULT_DURATION
+    trajectory = _make(robot, spec, duration)
     if trajectory.n != robot.n:
         raise ShapeError(
             f'trajectory: has {trajectory.n} joints; robot "{robot.name}" has {robot.n} joints'
@@ -343,10 +356,15 @@ def _make(robot: Robot, spec: Trajectory | str | Path | None, duration: float) -
         raise ValueRangeError(
             f'trajectory: no trajectory "{text}"; {did_you_mean(text, _SPECS)}known: {_KNOWN}'
         )
-    times, points = read_trajectory_csv(file, robot.joint_names)
     if rest_to_rest:
-        return Quintic(times, points, source=file)
-    return Splined(times, points, source=file)
+        return Quintic(*read_trajectory_csv(file, robot.joint_names), source=file)
+    return _splined(robot, file, None)
+
+
+def _splined(robot: Robot, file: str, duration: float | None) -> Splined:
+    times, points = read_trajectory_csv(file, robot.joint_names)
+    points, jumps = unwrapped(points, robot.wraps)
+    return Splined(times, points, duration, source=file, unwrapped=jumps)
 
 
 def _from_settings(robot: Robot, duration: float) -> Trajectory:
@@ -355,12 +373,20 @@ def _from_settings(robot: Robot, duration: float) -> Trajectory:
         return default_trajectory(robot, duration)
     if own.kind == "sines":
         return Sines(own.amplitude, own.omega, own.duration)
+    if own.kind == "quintic" and not own.points:
+        return default_trajectory(robot, duration)
     if own.kind == "quintic":
         return Quintic(np.array(own.times), np.array(own.points), own.duration)
     if own.kind == "csv" and own.file is not None:
-        times, points = read_trajectory_csv(own.file, robot.joint_names)
-        return Splined(times, points, own.duration, source=own.file)
+        return _splined(robot, own.file, own.duration)
     raise ValueRangeError(f'trajectory: unknown kind "{own.kind}"; known: sines, quintic, csv')
+
+
+def motion_time(trajectory: Trajectory) -> float | None:
+    """Time to the last point of a motion [s]; its duration where it has no points."""
+    if isinstance(trajectory, Quintic | Splined):
+        return float(trajectory.times[-1])
+    return trajectory.duration
 
 
 def _instants(t: ArrayLike) -> Array:
@@ -401,5 +427,6 @@ __all__ = [
     "Trajectory",
     "default_trajectory",
     "make_trajectory",
+    "motion_time",
     "paper_trajectory",
 ]

@@ -1,7 +1,8 @@
 """Motions from a CSV file: rows of ``t [s], q_1 ... q_n`` in [rad] or [m].
 
 With a header ``t,<joint names>`` the columns may come in any order; without one they are in the
-robot's order. Empty lines and lines that start with ``#`` are skipped.
+robot's order. Empty lines and lines that start with ``#`` are skipped. The motion starts at the
+first row, whatever its t is: of a recording only differences count.
 """
 
 from __future__ import annotations
@@ -20,12 +21,13 @@ from modrobust.names import did_you_mean
 
 Array = NDArray[np.float64]
 
+TURN = 2.0 * math.pi  # [rad]
 MAX_BYTES = 256 * 1024 * 1024
 
 
 @own_environment()
 def read_trajectory_csv(file: str | Path, joint_names: Sequence[str]) -> tuple[Array, Array]:
-    """Times (k,) [s] and positions (k, n) [rad] or [m] of a CSV file.
+    """Times (k,) [s] from the first row on, and positions (k, n) [rad] or [m], of a CSV file.
 
     Raises:
         FileError: The file is missing, not readable as text, empty or far too large.
@@ -35,6 +37,7 @@ def read_trajectory_csv(file: str | Path, joint_names: Sequence[str]) -> tuple[A
     if not rows:
         raise FileError(file, "no rows; a trajectory has rows of t and one position per joint")
     line, first = rows[0]
+    _check_separator(file, line, first)
     order: list[int] | None = None
     if not _is_number(first[0]):
         order = _header(file, line, first, joint_names)
@@ -42,9 +45,24 @@ def read_trajectory_csv(file: str | Path, joint_names: Sequence[str]) -> tuple[A
         if not rows:
             raise FileError(file, "a header without rows; add rows of t and one position per joint")
     table = np.array([_numbers(file, number, row, joint_names) for number, row in rows])
-    _check_times(file, [number for number, _ in rows], table[:, 0])
+    times = _from_first(file, [number for number, _ in rows], table[:, 0])
     points = table[:, 1:] if order is None else table[:, 1:][:, order]
-    return table[:, 0].copy(), np.ascontiguousarray(points)
+    return times, np.ascontiguousarray(points)
+
+
+def unwrapped(points: Array, wraps: NDArray[np.bool_]) -> tuple[Array, tuple[int, ...]]:
+    """Rows (k, n) without the jumps by whole turns of joints that wrap (n,), and how many of each.
+
+    A step between two rows is a jump where whole turns leave at most a quarter turn of it: a
+    recording kept within one turn goes over the seam so, and no spline should turn back there.
+    """
+    steps = np.diff(points, axis=0)
+    turns = np.round(steps / TURN)
+    jumps = wraps & (turns != 0.0) & (np.abs(steps - TURN * turns) <= TURN / 4.0)
+    whole = np.cumsum(np.where(jumps, turns, 0.0), axis=0)
+    result = points.copy()
+    result[1:] -= TURN * whole
+    return result, tuple(int(count) for count in jumps.sum(axis=0))
 
 
 def _rows(file: str | Path) -> list[tuple[int, list[str]]]:
@@ -139,17 +157,25 @@ def _numbers(
     return numbers
 
 
-def _check_times(file: str | Path, lines: list[int], t: Array) -> None:
-    if t[0] != 0.0:
-        raise DescriptionError(
-            file,
-            lines[0],
-            "t",
-            f"{t[0]:g} s; a motion starts at 0 s; subtract it from the column",
-        )
-    back = np.flatnonzero(np.diff(t) <= 0.0)
+def _from_first(file: str | Path, lines: list[int], t: Array) -> Array:
+    """Times since the first row."""
+    since: Array = t - t[0]
+    back = np.flatnonzero(np.diff(since) <= 0.0)
     if len(back):
         k = int(back[0])
         raise DescriptionError(
             file, lines[k + 1], "t", f"{t[k + 1]:g} s follows {t[k]:g} s; times must increase"
         )
+    return since
+
+
+def _check_separator(file: str | Path, line: int, first: list[str]) -> None:
+    for separator, name in ((";", "semicolons"), ("\t", "tabs")):
+        if any(separator in cell for cell in first):
+            raise DescriptionError(
+                file,
+                line,
+                "",
+                f"columns separated by {name}; a CSV file has commas between its columns, and a "
+                "point in its numbers; replace them",
+            )

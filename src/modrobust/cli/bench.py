@@ -64,6 +64,8 @@ def bench(
     if peers:
         compare(robots, json)
         return
+    if not json:
+        _heading(robots[0].name, robots[0].n)  # at once: the figures take a while
     with ProgressBar("Measuring") as bar:
         result = benchmark(robots, repeat=repeat, progress=lambda what, done: bar(done, label=what))
     figures = result.to_dict()
@@ -108,11 +110,12 @@ def compare(robots: list[Robot], json: bool) -> None:
 
 
 def print_benchmark(figures: Mapping[str, Any]) -> None:
-    """Print the benchmark as tables."""
+    """Print the benchmark as tables, under the heading of its first robot."""
     from modrobust.cli.output import number, show, table, times
 
-    for entry in figures["robots"]:
-        show(f"{entry['robot']}: {len(entry['joints'])} joints", style="bold")
+    for k, entry in enumerate(figures["robots"]):
+        if k > 0:
+            _heading(entry["robot"], len(entry["joints"]))
         measured = {}
         for item in entry["times"]:
             measured[f"{item['bound']}, in C"] = item["in_c"]
@@ -127,6 +130,12 @@ def print_benchmark(figures: Mapping[str, Any]) -> None:
     if figures["growth"]:
         show("Time per command in C, synthetic chains, every body uncertain")
         show(_growth(figures["growth"]))
+
+
+def _heading(name: str, joints: int) -> None:
+    from modrobust.cli.output import show
+
+    show(f"{name}: {joints} joints", style="bold")
 
 
 def _growth(growth: list[Any]) -> Table:

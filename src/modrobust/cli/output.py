@@ -39,6 +39,7 @@ def show(*results: RenderableType, style: str = "") -> None:
             console.width = usual
     for line in captured.get().splitlines():
         sys.stdout.write(f"{line.rstrip()}\n")
+    sys.stdout.flush()  # at once, into a pipe too
 
 
 def _narrowest(table: Table) -> int:

@@ -26,12 +26,14 @@ EXAMPLES = """\b
 Examples:
   modrobust simulate lwa4p-paper --scenario 1
   modrobust simulate lwa4p-paper --scenario 2 --bound ianea
-  modrobust simulate lwa4p --parameters corner --seed 3 --duration 5s
+  modrobust simulate lwa4p --parameters corner --seed 3 --duration 20s
   modrobust simulate ur5.urdf --tolerance "mass=5%,com=5mm,inertia=10%"
   modrobust simulate my-robot.yaml --trajectory motion.csv --log run.npz
   modrobust simulate lwa4p-payload --plant mujoco --control-rate 3kHz --video run.mp4
 
 \b
+--duration does not change the motion: a shorter run is its first part, and epsilon is not
+judged then; in a longer one the last pose is held.
 Ctrl-C ends a run early: what was computed is shown and saved, the exit code is 130.
 The exit code is 1 when a bound is violated, the loop diverges, the tracking error does not
 stay below epsilon, or a torque exceeds its limit. Remarks at the end (a torque that shakes, a
@@ -95,6 +97,7 @@ def simulate(
     """Simulate the closed loop of a robot whose true parameters the controller does not know."""
     wanted, rate = seconds(duration), hertz(control_rate)
     from modrobust.cli.output import ProgressBar, note, print_json
+    from modrobust.cli.simulate_start import Start
     from modrobust.errors import ValueRangeError
     from modrobust.result import check_writable
     from modrobust.simulation import simulate as run
@@ -110,7 +113,21 @@ def simulate(
     options = ["control_rate", "scenario", "parameters"]
     options += ["duration"] if duration is not None else []  # else it is the file's
     options += ["trajectory"] if trajectory is not None else []
+    heading = (
+        None
+        if json
+        else {
+            "robot": arm.name,
+            "scenario": scenario,
+            "parameters": parameters or "random",
+            "seed": seed or 0,
+            "law": law or arm.controller.law,
+            "bound": bound or arm.controller.bound,
+            "plant": plant,
+        }
+    )
     with named_as_options(*options), ProgressBar(f"Simulating {arm.name}") as bar:
+        start = Start(heading, rate, bar)
         result = run(
             arm,
             scenario=scenario,
@@ -122,7 +139,7 @@ def simulate(
             trajectory=trajectory,
             control_rate=rate,
             plant=plant,
-            progress=lambda done, total: bar(done / total),
+            progress=start,
         )
     if log is not None:
         result.save(log)

@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 
 def print_run(robot: Robot, result: SimulationResult, motion: str | None) -> None:
-    """Print what the issue of a run is: bound, error, torques, widths, times, verdict, remarks.
+    """Print what the issue of a run is, under its heading.
 
+    Bound, error, torques, widths, times, verdict, remarks.
     `motion` is what the command line said about it.
     """
     figures = result.summary()
     settings = figures["settings"]
-    show(_headline(settings), style="bold")
     remark = robot.scenario_notes.get(settings["scenario"])
     show(*([] if remark is None else [f"Scenario {settings['scenario']}: {remark}."]))
     show(_motion(robot, motion), *_notes(settings), _figures(figures, settings))
@@ -31,22 +31,38 @@ def print_run(robot: Robot, result: SimulationResult, motion: str | None) -> Non
         times({f"this run ({settings['bound']}), in C": figures["command_time"]}),
     )
     reasons: Sequence[str] = figures["reasons"]
+    if figures["cut_short"]:
+        show(
+            f"Cut short: {settings['duration']:g} s of a motion of {settings['motion_time']:g} s; "
+            "whether the error stays below epsilon is not judged",
+            style="yellow",
+        )
     if reasons:
         show(*(f"Not good: {reason}" for reason in reasons), style="bold red")
     else:
         show(
-            "Good: bound kept, error within epsilon for good, torques within limits", style="green"
+            "Good: bound kept, torques within limits"
+            if figures["cut_short"]
+            else "Good: bound kept, error within epsilon for good, torques within limits",
+            style="green",
         )
     opening = "Also" if reasons else "But"
     show(*(f"{opening}: {remark}" for remark in figures["remarks"]), style="yellow")
 
 
 def _motion(robot: Robot, motion: str | None) -> str:
-    if motion is None and robot.trajectory is not None:
-        return f"Motion: the file's own, {robot.trajectory.kind}."
+    own = robot.trajectory
+    drawn = own is not None and own.kind == "quintic" and not own.points
+    if motion is None and own is not None and not drawn:
+        return f"Motion: the file's own, {own.kind}."
     if motion in (None, "quintic"):
         return "Motion: the default, quintic through seeded waypoints, seed 0."
     return f"Motion: {'(13) of the paper' if motion == 'paper' else motion}."
+
+
+def print_heading(settings: Mapping[str, Any]) -> None:
+    """Print what runs, before it does: `settings` as of the run."""
+    show(_headline(settings), style="bold")
 
 
 def _headline(settings: Mapping[str, Any]) -> str:
@@ -81,7 +97,11 @@ def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Table:
     rows.add_row("violations of the bound", f"{figures['violations']} of {figures['ticks']} ticks")
     rows.add_row(
         f"tracking error below {epsilon}",
-        "not for good" if entered is None else f"for good from {entered:.4g} s",
+        "not judged, cut short"
+        if figures["cut_short"]
+        else "not for good"
+        if entered is None
+        else f"for good from {entered:.4g} s",
     )
     rows.add_row("tracking error at the end", number(figures["error_final"]))
     largest = figures["error_max_after_entry"]

@@ -239,6 +239,8 @@ def _trajectory(model: TrajectoryEntry | None, directory: Path) -> Trajectory | 
 
 
 def _waypoints(model: QuinticModel) -> tuple[tuple[float, PerJoint], ...]:
+    if model.points is None:
+        return ()
     if len(model.points) < 2:
         raise model.node.entries["points"].where.error(
             "trajectory.points",

@@ -140,7 +140,7 @@ class Sines:
 
 @dataclass(frozen=True)
 class Quintic:
-    """Rest-to-rest through points: (time [s], position per joint)."""
+    """Rest-to-rest through points: (time [s], position per joint); through drawn ones if empty."""
 
     points: tuple[tuple[float, PerJoint], ...]
     duration: float | None  # [s]

@@ -258,7 +258,9 @@ class QuinticModel(Part):
     """Rest-to-rest motion through points."""
 
     kind: Annotated[str, choice("quintic")] = Field(description="Kind of trajectory")
-    points: Annotated[list[WaypointModel], as_list] = Field(description="Points in time order")
+    points: Annotated[list[WaypointModel], as_list] | None = Field(
+        None, description="Points in time order; without them through drawn ones"
+    )
     duration: Point | None = Field(None, description="[s]")
 
 
