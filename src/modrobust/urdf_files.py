@@ -63,7 +63,7 @@ def _ends_with(parts: tuple[str, ...], tail: tuple[str, ...]) -> bool:
     return parts[-len(tail) :] == tail
 
 
-def load_tree(path: Path) -> Element:
+def load_tree(path: Path, source: UrdfSource) -> Element:
     """The XML tree of a URDF or xacro file.
 
     Raises:
