@@ -60,6 +60,7 @@ LAYERS = {
     "urdf_tree": 3,
     "urdf_unmodelled": 3,
     "urdf_values": 3,
+    "urdf_xacro": 3,
     "urdf_xml": 3,
     "describe": 3,
     "dynamics": 3,

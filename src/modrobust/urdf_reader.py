@@ -29,7 +29,7 @@ from modrobust.urdf_values import (
     required,
     slip,
 )
-from modrobust.urdf_xml import Element
+from modrobust.urdf_xml import HRDF, Element
 
 T = TypeVar("T", "Link", "Joint")
 
@@ -181,7 +181,7 @@ def _version(root: Element) -> float:
             "", f"the first element is <{root.tag[:60]}>; a URDF holds one <robot>; give a URDF"
         )
     if any(child.tag in _HRDF and not _name_of(child) for child in root.children):
-        raise root.where.error("", f"{HRDF}; give a URDF, or an assembly file")
+        raise root.where.error("", HRDF)
     written = root.attributes.get("version", "1.0").strip()
     if written not in VERSIONS:
         raise root.where.error(
@@ -191,12 +191,6 @@ def _version(root: Element) -> float:
             "where the number is the robot's own)",
         )
     return VERSIONS[written]
-
-
-HRDF = (
-    "a robot of HEBI's HRDF, which names products and whose figures stand in HEBI's library; it is "
-    "not read"
-)
 
 
 def _refuse_xacro(root: Element) -> None:

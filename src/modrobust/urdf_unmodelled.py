@@ -83,7 +83,13 @@ def remark(found: Sequence[tuple[str, str]]) -> list[str]:
     by_word: dict[str, list[str]] = {}
     for owner, word in found:
         by_word.setdefault(word, []).extend([owner] if owner else [])
-    said = [f"{word} ({', '.join(who)})" if who else word for word, who in by_word.items()]
+    by_owners: dict[tuple[str, ...], list[str]] = {}
+    for word, owners in by_word.items():
+        by_owners.setdefault(tuple(owners), []).append(word)
+    said = [
+        f"{', '.join(words)} ({', '.join(owners)})" if owners else ", ".join(words)
+        for owners, words in by_owners.items()
+    ]
     if not said:
         return []
     return [

@@ -11,6 +11,7 @@ from fractions import Fraction
 from modrobust.formats import ScalarNode, Where
 from modrobust.formats.nodes import shown
 from modrobust.geometry import MAX_ANGLE, Transform, from_xyz_quaternion, from_xyz_rpy
+from modrobust.names import did_you_mean
 from modrobust.urdf_xml import Element
 
 MAX_NAME = 100
@@ -124,7 +125,7 @@ def _meant(name: str, known: Sequence[str]) -> str:
     same = [word for word in known if word == low or low in _OTHER_WORDS.get(word, ())]
     if same:
         return f'did you mean "{same[0]}"? '
-    return slip(low, known) or f"known: {', '.join(known)}; "
+    return did_you_mean(low, known) or f"known: {', '.join(known)}; "
 
 
 def read_number(element: Element, key: str, text: str, owner: str, endless: bool = False) -> Number:
