@@ -33,7 +33,7 @@ from modrobust.geometry import IDENTITY, Transform
 from modrobust.kernel import own_environment
 from modrobust.mounting import EndStep, JointStep, Mounted, SpanStep, mount_chain
 from modrobust.names import did_you_mean
-from modrobust.options import urdf_assembly, with_options
+from modrobust.options import Vector, urdf_assembly, with_options
 from modrobust.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.robot import Robot
 from modrobust.urdf_xml import SUFFIXES as URDF_SUFFIXES
@@ -50,6 +50,10 @@ def load_robot(
     lock: Mapping[str, float | str] | None = None,
     tolerance: str | None = None,
     payload: str | None = None,
+    mount: Vector | None = None,
+    gravity: Vector | None = None,
+    xacro: Mapping[str, object] | None = None,
+    packages: Mapping[str, str | Path] | None = None,
 ) -> Robot:
     """The robot of an assembly file or a URDF, or one that comes with modrobust, by name.
 
@@ -60,6 +64,13 @@ def load_robot(
         lock: URDF only: joint name to the position [rad] or [m] that it is frozen at.
         tolerance: URDF only: bounds where there are none, such as ``"mass=5%,com=5mm"``.
         payload: Such as ``"mass=[0 kg, 2 kg], com=[0, 0, 50 mm], at=tool0"``.
+        mount: Roll, pitch, yaw [rad] of the root (of modules: of the base) in the world, in place
+            of ``base: {rpy}``: three numbers or texts with units, or one text such as
+            ``"0, 90 deg, 0"``.
+        gravity: In world axes [m/s^2], in place of ``gravity:``; written as `mount` is.
+        xacro: Arguments of a xacro file, by name.
+        packages: Folders of packages by name, for ``package://NAME/...`` as the file and
+            ``$(find NAME)`` in xacro.
 
     Raises:
         FileError: There is neither such a file nor such a robot.
@@ -71,10 +82,14 @@ def load_robot(
         raise ValueRangeError(
             "robot: an empty text; the name of a built-in robot or the path of a file is expected"
         )
-    path = _file_of(path_or_name)
-    is_urdf = path.suffix.lower() in URDF_SUFFIXES
-    description = urdf_assembly(path) if is_urdf else load_assembly(path)
-    return assemble(with_options(description, base, tip, lock or {}, tolerance, payload))
+    if str(path_or_name).startswith("package://"):
+        description = urdf_assembly(str(path_or_name))
+    else:
+        path = _file_of(path_or_name)
+        is_urdf = path.suffix.lower() in (*URDF_SUFFIXES, ".hrdf")
+        description = urdf_assembly(path) if is_urdf else load_assembly(path)
+    options = (base, tip, lock or {}, tolerance, payload, mount, gravity, xacro, packages)
+    return assemble(with_options(description, *options))
 
 
 def _file_of(path_or_name: str | Path) -> Path:

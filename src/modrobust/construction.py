@@ -47,7 +47,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
     robot = Robot(
         name=description.name,
         gravity=np.array(description.gravity),
-        base=description.base.rounded(),
+        base=(description.base @ parts.base).rounded(),
         joint_names=names,
         joint_types=tuple(joint.item.type for joint in joints),
         parents=np.array([joint.parent for joint in joints], dtype=np.int32),
@@ -72,7 +72,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
         ),
         controller=controller_settings(description.controller, names, types),
         exact=_exact(bodies, joints),
-        not_modelled=_not_modelled(description, joints),
+        not_modelled=(*_not_modelled(description, joints), *parts.not_modelled),
         notes=(
             *_payload_notes(description),
             *_scenario_notes(scenarios, body_names, nominal),

@@ -5,6 +5,7 @@ Every message says where, what was found, the rule and the remedy::
     ModrobustError
     +-- InputError                 the input is at fault; the command line exits with 2
     |   +-- DescriptionError       a module or robot description, with file, line and field
+    |   |   +-- SeveralFaultsError several of them, found in one reading
     |   +-- FileError              a file cannot be read or written
     |   +-- ShapeError             an array has the wrong shape
     |   +-- ValueRangeError        a number is not finite or outside its range
@@ -17,13 +18,15 @@ Every message says where, what was found, the rule and the remedy::
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
+_MOST_SHOWN = 50  # faults of one file; who has more mends these first
 _BREAKS = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 
 
 class ModrobustError(Exception):
-    """Base of every exception that modrobust raises on purpose; its message is one line.
+    """Base of every exception that modrobust raises on purpose; its message is one line a fault.
 
     A control character that a name or a path brought in is shown escaped.
     """
@@ -53,6 +56,25 @@ class DescriptionError(InputError):
         self.message = message
         where = "" if self.file is None else self.file if line is None else f"{self.file}:{line}"
         super().__init__(": ".join(part for part in (where, field, message) if part))
+
+
+class SeveralFaultsError(DescriptionError):
+    """Several faults of a description, each on a line of its own; file, line, ... of the first.
+
+    Args:
+        faults: What was found, in the order of the text; at least one.
+        overlay: What follows them: lines to paste that mend figures.
+    """
+
+    def __init__(self, faults: Sequence[DescriptionError], overlay: str = "") -> None:
+        first = faults[0]
+        super().__init__(first.file, first.line, first.field, first.message)
+        self.faults = tuple(faults)
+        self.overlay = overlay
+        lines = [str(fault) for fault in faults[:_MOST_SHOWN]]
+        if len(faults) > _MOST_SHOWN:
+            lines.append(f"and {len(faults) - _MOST_SHOWN} more faults")
+        self.args = ("\n".join([*lines, *([overlay] if overlay else [])]),)
 
 
 class FileError(InputError):

@@ -241,3 +241,27 @@ def from_xyz_rpy(xyz: Sequence[Real] = (0, 0, 0), rpy: Sequence[Real] = (0, 0, 0
     """Translation by `xyz` (3,) [m], then Rz(yaw) Ry(pitch) Rx(roll) of `rpy` (3,) [rad]."""
     roll, pitch, yaw = rpy
     return translation(xyz) @ rotation_z(yaw) @ rotation_y(pitch) @ rotation_x(roll)
+
+
+def from_xyz_quaternion(xyz: Sequence[Fraction], xyzw: Sequence[Fraction]) -> Transform:
+    r"""Translation by `xyz` (3,) [m], then the rotation of a quaternion `xyzw` (4,), w the last.
+
+    .. math:: R = \frac{1}{x^2 + y^2 + z^2 + w^2} \begin{pmatrix}
+        w^2 + x^2 - y^2 - z^2 & 2 (x y - w z) & 2 (x z + w y) \\
+        2 (x y + w z) & w^2 - x^2 + y^2 - z^2 & 2 (y z - w x) \\
+        2 (x z - w y) & 2 (y z + w x) & w^2 - x^2 - y^2 + z^2 \end{pmatrix}
+
+    Rational in the four numbers, so that it needs no square root; any length but 0 will do.
+
+    Source: the definition R p = q p q* of a rotation by a quaternion, multiplied out.
+    """
+    x, y, z, w = xyzw
+    square = x * x + y * y + z * z + w * w
+    rows = [
+        (w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z),
+    ]
+    return from_rows(
+        [(*(entry / square for entry in row), p) for row, p in zip(rows, xyz, strict=True)]
+    )

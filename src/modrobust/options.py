@@ -2,35 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from reprlib import repr as short
 
 from modrobust.errors import ValueRangeError
-from modrobust.formats import Assembly, Controller, MapNode, ScalarNode, Where
-from modrobust.formats.assembly import GRAVITY, read_payload
+from modrobust.formats import Assembly, Controller, ListNode, MapNode, ScalarNode, Where
+from modrobust.formats.assembly import (
+    GRAVITY,
+    package_folders,
+    read_gravity,
+    read_payload,
+    xacro_arguments,
+)
 from modrobust.formats.fields import check
 from modrobust.formats.inline import parse_inline
 from modrobust.formats.models import PayloadModel
 from modrobust.formats.module import ModuleFields
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.part_models import ToleranceModel
-from modrobust.geometry import IDENTITY
+from modrobust.formats.span import pose_matrix
+from modrobust.geometry import IDENTITY, Transform, translation
 
 _INSTEAD = {
     "base": "leave it out",
     "tip": "shorten the chain in the file",
     "lock": "replace the module of the joint in the file",
     "tolerance": "write the tolerance in the module files",
+    "xacro": "leave it out",
+    "packages": "leave it out",
 }
 
+Vector = str | Sequence[float | str]
 
-def urdf_assembly(path: Path) -> Assembly:
+
+def urdf_assembly(path: Path | str) -> Assembly:
     """The description that a URDF alone is: no bounds, no payload, everything else default."""
     where = Where(str(path), 1)
     return Assembly(
         name="",  # the URDF's own
-        file=path,
+        file=Path(path),
         modules=(),
         base=IDENTITY,
         gravity=GRAVITY,
@@ -54,6 +66,10 @@ def with_options(
     lock: Mapping[str, float | str],
     tolerance: str | None,
     payload: str | None,
+    mount: Vector | None = None,
+    gravity: Vector | None = None,
+    xacro: Mapping[str, object] | None = None,
+    packages: Mapping[str, str | Path] | None = None,
 ) -> Assembly:
     """The description with options laid over it; an option counts more than the file.
 
@@ -63,7 +79,18 @@ def with_options(
     """
     if payload is not None:
         description = _with_payload(description, payload)
-    given = {"base": base, "tip": tip, "lock": lock or None, "tolerance": tolerance}
+    if mount is not None:
+        description = replace(description, base=_mounted(description.base, mount))
+    if gravity is not None:
+        description = replace(description, gravity=read_gravity(_vector(gravity, "gravity")))
+    given = {
+        "base": base,
+        "tip": tip,
+        "lock": lock or None,
+        "tolerance": tolerance,
+        "xacro": xacro or None,
+        "packages": packages or None,
+    }
     used = [name for name, value in given.items() if value is not None]
     if not used:
         return description
@@ -84,7 +111,37 @@ def with_options(
         node = parse_inline(tolerance, "--tolerance")
         model = check(ToleranceModel, node, _name_tolerance)
         source = replace(source, tolerance=model)
+    if xacro:
+        place = Where("xacro", None)
+        texts = {name: ScalarNode(str(value), place) for name, value in xacro.items()}
+        source = replace(source, xacro={**source.xacro, **xacro_arguments(texts)})
+    if packages:
+        paths = {name: str(path) for name, path in packages.items()}
+        folders = package_folders(paths, Path(), Where("packages", None))
+        source = replace(source, packages={**source.packages, **folders})
     return replace(description, urdf=source)
+
+
+def _mounted(base: Transform, mount: Vector) -> Transform:
+    """The base where it is, turned in the world by roll, pitch and yaw [rad]."""
+    rpy = pose_matrix(None, _vector(mount, "mount"), "mount")
+    return translation([row[3] for row in base.rows]) @ rpy
+
+
+def _vector(given: Vector, name: str) -> ListNode:
+    """Three numbers: a sequence, or a text with commas or blanks between them."""
+    if isinstance(given, str):
+        inside = given.strip().removeprefix("[").removesuffix("]")
+        parts: Sequence[object] = inside.split(",") if "," in inside else inside.split()
+    else:
+        parts = list(given)
+    where = Where(name, None)
+    if len(parts) != 3:
+        raise ValueRangeError(
+            f"{name}: {len(parts)} entries in {short(given)}; it is a vector of three; write e.g. "
+            '"0, 90 deg, 0" (with commas where there are units)'
+        )
+    return ListNode(tuple(ScalarNode(str(part).strip(), where) for part in parts), where)
 
 
 def _name_tolerance(location: tuple[int | str, ...]) -> str:

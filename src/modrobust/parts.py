@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.formats import Quantity
+from modrobust.geometry import IDENTITY, Transform
 from modrobust.mounting import JointStep
 from modrobust.robot import ModuleNode
 
@@ -49,6 +50,8 @@ class Parts:
         ends: Name (of an instance, of a link) to joint index and frame (4, 4) in its link frame.
         tip: The frame of a payload that names none; None where the description must name one.
         place: What `ends` are called in messages.
+        base: Frame that `base:` places in the world to the base frame, such as root to base link.
+        not_modelled: Names of what the description says and the model has no field for.
     """
 
     joints: tuple[PlacedJoint, ...]
@@ -58,3 +61,5 @@ class Parts:
     place: str = "instance"
     notes: tuple[str, ...] = ()
     nodes: tuple[ModuleNode, ...] = ()
+    base: Transform = IDENTITY
+    not_modelled: tuple[str, ...] = ()

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -19,11 +18,14 @@ from modrobust.names import did_you_mean
 from modrobust.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.robot import ModuleNode
 from modrobust.urdf_confirm import confirm
+from modrobust.urdf_faults import UrdfFaults
 from modrobust.urdf_files import find_file, load_tree
 from modrobust.urdf_followers import within_followers
 from modrobust.urdf_items import inertial_key, is_frame, is_point, read_body, read_urdf_joint
-from modrobust.urdf_reader import Description, Inertial, read_description
-from modrobust.urdf_tree import Selection, select
+from modrobust.urdf_limits import JointRemarks
+from modrobust.urdf_reader import Description, Inertial, Items, read_items, read_structure
+from modrobust.urdf_tree import MOVING, Selection, select
+from modrobust.urdf_unmodelled import remark
 
 _MANY = 3  # links of a robot do not share one tensor by chance
 _WIDE = 1.0  # [m], a radius of gyration beyond which a link of an arm is hardly real
@@ -40,7 +42,7 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
         DescriptionError: The file, or what is laid over it, is at fault.
         MissingExtraError: The file is xacro and that package is not installed.
     """
-    description = read_file(find_file(source))
+    description = _described(source)
     _check_overlays(description, source)
     chosen = select(description, source.base_link, source.tip_link, source.lock)
     tolerances = Tolerances(source.tolerance)
@@ -50,20 +52,16 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
             f"robot {description.name}",
             "no joint that moves; a robot has one; give a URDF of a robot, or lock less",
         )
-    joints = tuple(
-        PlacedJoint(
-            motion.joint.name,
-            read_urdf_joint(motion.joint, source.joints.get(motion.joint.name), tolerances, notes),
-            motion.parent,
-            motion.before.rounded(),
-            motion.after.rounded(),
-            motion.follows,
-        )
-        for motion in chosen.motions
-    )
+    faults = UrdfFaults()
+    joints = _joints(chosen, source, tolerances, notes, faults)
+    bodies = _bodies(description, chosen, source, tolerances, notes, faults)
+    faults.stop()
     joints = within_followers(joints, notes)
-    bodies = _bodies(description, chosen, source, tolerances, notes)
-    _need_mass(description, chosen, joints, bodies)
+    _need_mass(description, chosen, joints, bodies, faults)
+    faults.stop()
+    moving = [name for name, (joint, _) in chosen.frames.items() if joint >= 0]
+    unmodelled = description.unmodelled.listed([joint.name for joint in joints], moving)
+    notes += remark(unmodelled)
     notes += _placeholders(description, chosen)
     if tolerances.unused:
         keys = ", ".join(tolerances.unused)
@@ -83,6 +81,8 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
         place="link",
         notes=tuple(notes),
         nodes=_nodes(description, chosen, bodies),
+        base=chosen.base,
+        not_modelled=tuple(".".join(filter(None, found)) for found in unmodelled),
     )
     return description.name, parts
 
@@ -93,18 +93,41 @@ def _bounded(joint: PlacedJoint, body: PlacedBody) -> bool:
     return any(quantity is not None and quantity.bounded for quantity in every)
 
 
-def read_file(path: Path) -> Description:
+def _described(source: UrdfSource) -> Description:
     """The links and joints of a URDF or xacro file, read twice.
 
     Raises:
         FileError: The file cannot be read.
         DescriptionError: The file is at fault.
+        SeveralFaultsError: With every figure that is wrong, where it is not known what moves.
         MissingExtraError: The file is xacro and that package is not installed.
     """
-    root = load_tree(path)
-    description = read_description(root)
+    root = load_tree(find_file(source), source)
+    faults = UrdfFaults()
+    items = read_items(root, faults)
+    if not faults.found:
+        with faults.caught():
+            description = read_structure(root, items)
+    if faults.found:
+        _check_figures(items, source, faults)
+        faults.stop()
     confirm(description, root)
     return description
+
+
+def _check_figures(items: Items, source: UrdfSource, faults: UrdfFaults) -> None:
+    """Adds the faults of joints and of links that may move, where the structure is not known."""
+    tolerances = Tolerances(source.tolerance)
+    children = {joint.child for joint in items.joints.values()}
+    for joint in items.joints.values():
+        if joint.type in MOVING and joint.name not in source.lock:
+            with faults.of_joint(joint.name):
+                read_urdf_joint(joint, source.joints.get(joint.name), tolerances, JointRemarks())
+    for name, link in items.links.items():
+        overlay = source.links.get(name)
+        if name in children and not is_frame(link, overlay):
+            with faults.of_link(link):
+                read_body(link, overlay, tolerances)
 
 
 def _check_overlays(description: Description, source: UrdfSource) -> None:
@@ -121,12 +144,34 @@ def _check_overlays(description: Description, source: UrdfSource) -> None:
                 )
 
 
+def _joints(
+    chosen: Selection,
+    source: UrdfSource,
+    tolerances: Tolerances,
+    notes: list[str],
+    faults: UrdfFaults,
+) -> tuple[PlacedJoint, ...]:
+    placed = []
+    remarks = JointRemarks()
+    for motion in chosen.motions:
+        joint = motion.joint
+        with faults.of_joint(joint.name):
+            item = read_urdf_joint(joint, source.joints.get(joint.name), tolerances, remarks)
+            before, after = motion.before.rounded(), motion.after.rounded()
+            placed.append(
+                PlacedJoint(joint.name, item, motion.parent, before, after, motion.follows)
+            )
+    notes += remarks.sentences()
+    return tuple(placed)
+
+
 def _bodies(
     description: Description,
     chosen: Selection,
     source: UrdfSource,
     tolerances: Tolerances,
     notes: list[str],
+    faults: UrdfFaults,
 ) -> list[PlacedBody]:
     bodies = []
     for name, (joint, frame) in chosen.frames.items():
@@ -137,7 +182,8 @@ def _bodies(
             masses, inertia, own_frame, physical = read_body(link, overlay, tolerances)
         except DescriptionError as problem:
             if joint >= 0 or overlay is not None:
-                raise
+                faults.add_of_link(link, problem)
+                continue
             # What does not move cannot make a torque wrong.
             notes.append(
                 f"{problem.field or name}: left out, since it does not move: {problem.message}"
@@ -174,8 +220,9 @@ def _need_mass(
     chosen: Selection,
     joints: tuple[PlacedJoint, ...],
     bodies: list[PlacedBody],
+    faults: UrdfFaults,
 ) -> None:
-    """Refuses a joint without drive behind which nothing has mass: an arm without its figures."""
+    """Refuses joints without drive behind which nothing has mass: an arm without its figures."""
     loaded = {body.joint for body in bodies}
     if not loaded - {-1} and all(joint.item.rotor_inertia is None for joint in joints):
         raise description.where.error(
@@ -188,13 +235,17 @@ def _need_mass(
         if index in loaded:
             loaded |= {joint.parent} if joint.follows is None else {joint.parent, joint.follows[0]}
         elif joint.follows is None and joint.item.rotor_inertia is None:
+            loaded |= {joint.parent}  # told once, not of every joint before it
             links = [name for name, (owner, _) in chosen.frames.items() if owner == index]
-            raise joint.item.where.error(
-                f"joint {joint.name}",
-                f"no link behind it has mass ({', '.join(links)}); what moves has mass and "
-                "inertia; complete the <inertial>, give it in an assembly file (links: "
-                f"{{{links[0]}: {{mass: ..., com: ..., inertia: ...}}}}), or freeze the joint with "
-                f"--lock {joint.name}=VALUE",
+            faults.add_massless(
+                links[0],
+                joint.item.where.error(
+                    f"joint {joint.name}",
+                    f"no link behind it has mass ({', '.join(links)}); what moves has mass and "
+                    "inertia; complete the <inertial>, give it in an assembly file (links: "
+                    f"{{{links[0]}: {{mass: ..., com: ..., inertia: ...}}}}), or freeze the joint "
+                    f"(lock: {{{joint.name}: ...}})",
+                ),
             )
 
 

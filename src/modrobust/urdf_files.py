@@ -3,32 +3,27 @@
 from __future__ import annotations
 
 import importlib.metadata
-import importlib.util
-import subprocess
-import sys
 from pathlib import Path, PurePosixPath
 
-from modrobust.errors import DescriptionError, FileError, MissingExtraError
+from modrobust.errors import DescriptionError
 from modrobust.formats.overlay import UrdfSource
+from modrobust.names import did_you_mean
+from modrobust.urdf_xacro import expanded
 from modrobust.urdf_xml import Element, parse_xml, read_bytes
 
 PACKAGE = "package:"
-_XACRO_SECONDS = 30.0  # [s]
-_FRAMES = ("when ", "included from", "in file", "instantiated from")  # of its messages
-# In a process of its own, so that macros without end cost neither our time nor our memory.
-_EXPAND = (
-    "import resource, sys; resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30)); "
-    "resource.setrlimit(resource.RLIMIT_CPU, (10, 10)); "
-    "import xacro; xacro.main()"
-)
+SCHEME = "package://"
 
 
 def find_file(source: UrdfSource) -> Path:
     """The file that `source` names.
 
     Raises:
-        DescriptionError: ``package:NAME/PATH`` names no installed package, or no file of it.
+        DescriptionError: ``package:NAME/PATH`` names no installed package, or no file of it;
+            ``package://NAME/PATH`` a package whose folder is not given.
     """
+    if source.file.startswith(SCHEME):
+        return _in_folder(source)
     if not source.file.startswith(PACKAGE):
         return source.directory / source.file
     name, _, inside = source.file.removeprefix(PACKAGE).partition("/")
@@ -59,11 +54,31 @@ def find_file(source: UrdfSource) -> Path:
     return Path(found[0])
 
 
+def _in_folder(source: UrdfSource) -> Path:
+    """The file of ``package://NAME/PATH``, in the folder that is given for NAME."""
+    name, _, inside = source.file.removeprefix(SCHEME).partition("/")
+    if not inside:
+        raise source.where.error(
+            "urdf",
+            f'"{source.file[:200]}" is not {SCHEME}NAME/PATH; write the path of the file inside '
+            "the package",
+        )
+    if name not in source.packages:
+        known = ", ".join(source.packages) or "none"
+        raise source.where.error(
+            "urdf",
+            f'the folder of package "{name[:80]}" is not given; '
+            f"{did_you_mean(name, source.packages)}given: {known}; give it (packages: "
+            f"{{{name[:80]}: FOLDER}})",
+        )
+    return source.packages[name] / inside
+
+
 def _ends_with(parts: tuple[str, ...], tail: tuple[str, ...]) -> bool:
     return parts[-len(tail) :] == tail
 
 
-def load_tree(path: Path) -> Element:
+def load_tree(path: Path, source: UrdfSource) -> Element:
     """The XML tree of a URDF or xacro file.
 
     Raises:
@@ -73,49 +88,15 @@ def load_tree(path: Path) -> Element:
     """
     name = str(path)
     tree = parse_xml(read_bytes(path), name)
-    if path.suffix.lower() != ".xacro":
-        return tree
-    if importlib.util.find_spec("xacro") is None:
-        raise MissingExtraError(
-            f"{name}: a xacro file, and the package that expands it is not installed; "
-            'pip install "modrobust[xacro]", or expand it first: xacro FILE > robot.urdf'
-        )
-    return parse_xml(_expanded(name), f"{name} (expanded)")
-
-
-def _expanded(name: str) -> bytes:
-    """The output of xacro.
-
-    Raises:
-        DescriptionError: xacro fails, or does not end.
-        FileError: Its output is no text.
-    """
-    try:
-        done = subprocess.run(
-            [sys.executable, "-c", _EXPAND, "--", name],
-            capture_output=True,
-            timeout=_XACRO_SECONDS,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
+    if path.suffix.lower() == ".xacro":
+        text = expanded(name, source.xacro, source.packages)
+        return parse_xml(text, f"{name} (expanded)")
+    if source.xacro:
         raise DescriptionError(
             name,
             None,
-            "",
-            f"xacro did not end within {_XACRO_SECONDS:g} s; a robot expands in one; look for a "
-            "macro that calls itself",
-        ) from None
-    except OSError as error:
-        raise FileError(name, f"xacro cannot be started: {error.strerror}") from None
-    if done.returncode != 0:
-        lines = [line.strip() for line in done.stderr.decode("utf-8", "replace").splitlines()]
-        told = [line for line in lines if line and not line.startswith(_FRAMES)]
-        said = told[-1] if told else "no message"
-        raise DescriptionError(
-            name,
-            None,
-            "",
-            f"xacro cannot expand it: {said[:300]}; expand it where its packages are installed: "
-            "xacro FILE > robot.urdf",
+            "xacro",
+            f"an argument ({next(iter(source.xacro))[:60]}) for a file that is not xacro; only "
+            "xacro files take arguments, and end in .xacro; remove it or rename the file",
         )
-    return done.stdout
+    return tree

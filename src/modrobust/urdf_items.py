@@ -12,12 +12,16 @@ from typing import TypeVar
 
 from modrobust.formats import JointItem, ListNode, MapNode, Node, Quantity, ScalarNode, Where
 from modrobust.formats.bodies import Masses, Six, read_inertia, read_masses
+from modrobust.formats.faults import Faults
 from modrobust.formats.fields import Part, check
 from modrobust.formats.joints import read_joint
 from modrobust.formats.models import JointModel
 from modrobust.formats.part_models import InertiaModel, JointOverlay, LinkOverlay
 from modrobust.formats.tolerance import Tolerances
-from modrobust.urdf_reader import Inertial, Joint, Link
+from modrobust.urdf_joints import Joint
+from modrobust.urdf_limits import JointRemarks, read_limits
+from modrobust.urdf_reader import Inertial, Link
+from modrobust.urdf_transmissions import Transmission
 from modrobust.urdf_values import Number
 
 P = TypeVar("P", bound=Part)
@@ -28,7 +32,7 @@ _ENTRIES = ("xx", "xy", "xz", "yy", "yz", "zz")
 
 def is_frame(link: Link, overlay: LinkOverlay | None) -> bool:
     """Whether a link is a frame without mass: no inertial, or one of zeros, and no overlay."""
-    if overlay is not None and overlay.node.entries:
+    if link.faults or (overlay is not None and overlay.node.entries):
         return False
     inertial = link.inertial
     return inertial is None or not (
@@ -59,6 +63,7 @@ def read_body(
     given = overlay.node.entries if overlay is not None else {}
     if inertial is None or "about" in getattr(given.get("inertia"), "entries", {}):
         _need_all(link, overlay, owner, inertial is None)
+    _need_faultless(link, given)
     turned = inertial is not None and inertial.turned
     whole = "com" in given and "inertia" in given and _is_whole(given["inertia"])
     if turned and not whole and ("com" in given or "inertia" in given):
@@ -98,6 +103,18 @@ def _need_all(link: Link, overlay: LinkOverlay | None, owner: str, no_inertial: 
         )
 
 
+def _need_faultless(link: Link, given: Mapping[str, Node]) -> None:
+    """Raises what is wrong in the URDF, unless the overlay gives that figure."""
+    whole = "inertia" in given and _is_whole(given["inertia"])
+    faults = Faults()
+    for key, fault in link.faults.items():
+        # Where the origin is not known, neither are the axes of the tensor.
+        mended = {"mass": key in given, "inertia": whole, "com": "com" in given and whole}
+        if not mended[key]:
+            faults.add(fault)
+    faults.stop()
+
+
 def _is_whole(inertia: Node) -> bool:
     return isinstance(inertia, MapNode) and {"xx", "yy", "zz"} <= set(inertia.entries)
 
@@ -128,17 +145,17 @@ def _nodes(
 
 
 def read_urdf_joint(
-    joint: Joint, overlay: JointOverlay | None, tolerances: Tolerances, notes: list[str]
+    joint: Joint, overlay: JointOverlay | None, tolerances: Tolerances, remarks: JointRemarks
 ) -> JointItem:
     """Limits, drive and friction of a joint.
 
     Raises:
-        DescriptionError: Limits that are missing, reversed or negative; negative friction.
+        DescriptionError: Limits that are reversed, equal or negative; negative friction or inertia.
     """
     owner = f"joint {joint.name}"
-    prismatic = joint.type == "prismatic"
-    limits = _limits(joint, prismatic, notes)
-    drive = _present(gear_ratio=joint.reduction)
+    given = overlay.node.entries if overlay is not None else {}
+    limits = read_limits(joint, _entries(given.get("limits")), remarks)
+    drive = _drive(joint, _entries(given.get("drive")), remarks.notes)
     # Exporters write damping="0" for "not known"; 0 with a tolerance in per cent has no width.
     friction = _present(viscous=_nonzero(joint.damping), coulomb=_nonzero(joint.friction))
     parts = {"limits": limits, "drive": drive, "friction": friction}
@@ -146,7 +163,6 @@ def read_urdf_joint(
         "joint": ScalarNode("joint", joint.where),  # names of URDFs are freer than ours
         "type": ScalarNode(joint.type, joint.where),
     }
-    given = overlay.node.entries if overlay is not None else {}
     for key, written in parts.items():
         overlaid = given.get(key)
         where, places = joint.where, dict[str, Where]()
@@ -155,54 +171,39 @@ def read_urdf_joint(
             where, places = overlaid.where, overlaid.key_where
         if written:
             entries[key] = MapNode(written, where, places)
-    if joint.type != "continuous":
-        _need_limits(joint, entries.get("limits"), prismatic)
     model = _model(JointModel, MapNode(entries, joint.where), owner)
     item = read_joint(model, f"{owner}, ", tolerances)
     return replace(item, name=joint.name)
 
 
-def _limits(joint: Joint, prismatic: bool, notes: list[str]) -> dict[str, Node]:
-    """What <limit> says, as entries of `limits:`; a speed or effort of 0 says nothing."""
-    entries: dict[str, Node] = {}
-    if joint.type != "continuous" and (joint.lower or joint.upper):
-        zero = ScalarNode("0", joint.limit_where or joint.where)  # the default of the format
-        lower = joint.lower.node if joint.lower else zero
-        upper = joint.upper.node if joint.upper else zero
-        lo, hi = (number.value if number else 0.0 for number in (joint.lower, joint.upper))
-        if lo == hi:
-            raise lower.where.error(
-                f"joint {joint.name}, limits",
-                f"lower and upper limit are both {lo:g}; such a joint cannot move; correct them, "
-                f"or freeze it with --lock {joint.name}={lo:g} (lock: {{{joint.name}: {lo:g}}})",
-            )
-        entries["position"] = ListNode((lower, upper), lower.where)
-    for key, number in (("velocity", joint.velocity), ("effort", joint.effort)):
-        if number is None:
-            continue
-        if number.value == 0.0:
-            notes.append(f"joint {joint.name}: {key} limit of 0 taken as not given")
-        else:
-            name = key if key == "velocity" else ("force" if prismatic else "torque")
-            entries[name] = number.node
-    return entries
+def _entries(node: Node | None) -> Mapping[str, Node]:
+    return node.entries if isinstance(node, MapNode) else {}
 
 
-def _need_limits(joint: Joint, limits: Node | None, prismatic: bool) -> None:
-    """Refuses a joint without the limits that the format requires."""
-    known = limits.entries if isinstance(limits, MapNode) else {}
-    effort = "force" if prismatic else "torque"
-    missing = [] if "position" in known else ["lower and upper"]
-    missing += [] if "velocity" in known or joint.velocity else ["velocity"]
-    missing += [] if effort in known or joint.effort else ["effort"]
-    if missing:
-        place = joint.limit_where or joint.where
-        raise place.error(
-            f"joint {joint.name}, limits",
-            f"no {', '.join(missing)}; a {joint.type} joint has limits of position, velocity and "
-            f"effort; add them, or give them in an assembly file (joints: {{{joint.name}: "
-            "{limits: ...}})",
+def _drive(joint: Joint, overlaid: Mapping[str, Node], notes: list[str]) -> dict[str, Node]:
+    """The drive: that of a transmission, or an armature, which is a rotor behind a gear of 1."""
+    drive = joint.drive or Transmission(None, None)
+    written = _present(gear_ratio=drive.reduction, rotor_inertia=_nonzero(drive.rotor_inertia))
+    armature = _nonzero(joint.armature)
+    owner = f"joint {joint.name}"
+    if armature is None:
+        return written
+    said = f"armature of {armature.value:g}"
+    if overlaid:
+        notes.append(f"{owner}: {said} left out, since an assembly file gives its drive")
+        return written
+    if "rotor_inertia" in written:
+        raise armature.node.where.error(
+            f"{owner}, drive",
+            f"{said} beside the rotor inertia of a transmission; both are the inertia of the "
+            "motor, on either side of the gear; remove one of them, or give the drive in an "
+            f"assembly file (joints: {{{joint.name}: {{drive: ...}}}})",
         )
+    instead = ""
+    if drive.reduction is not None and drive.reduction.value != 1.0:
+        instead = f", and not {drive.reduction.value:g}, since it is on the joint's side"
+    notes.append(f"{owner}: {said} read as a rotor_inertia with a gear_ratio of 1{instead}")
+    return {"gear_ratio": ScalarNode("1", armature.node.where), "rotor_inertia": armature.node}
 
 
 def _present(**numbers: Number | None) -> dict[str, Node]:

@@ -7,42 +7,40 @@ smaller robot and a wrong parent as none; everything here is either right or ref
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import TypeVar
 
 from modrobust.errors import DescriptionError
 from modrobust.formats import ScalarNode, Where
+from modrobust.formats.faults import Faults
 from modrobust.formats.nodes import shown
-from modrobust.geometry import IDENTITY, Transform, rotation_to
+from modrobust.geometry import IDENTITY, Transform
 from modrobust.names import did_you_mean
+from modrobust.urdf_joints import Joint, JointReader
+from modrobust.urdf_transmissions import Transmission, read_transmissions
+from modrobust.urdf_unmodelled import Unmodelled, around
 from modrobust.urdf_values import (
-    MAX_NAME,
     Number,
-    optional,
     read_name,
-    read_number,
     read_pose,
+    refuse_foreign,
     refuse_slips,
     required,
     slip,
-    three,
 )
-from modrobust.urdf_xml import Element
+from modrobust.urdf_xml import HRDF, Element
 
 T = TypeVar("T", "Link", "Joint")
 
-JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+VERSIONS = {"1": 1.0, "1.0": 1.0, "1.1": 1.1, "1.2": 1.2}
 _ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_HRDF = ("actuator", "bracket", "rigid-body", "end-effector")
 
 # What an element may hold; what is missing here says nothing about the motion.
 _LINK = ("inertial", "visual", "collision", "contact", "self_filter", "collision_checking",
          "kinematic", "gravity", "surface", "origin", "sensor", "inertia_scaling", "material",
          "audio_source", "stiffness", "damping", "friction_anchor")  # fmt: skip
-_JOINT = ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic", "calibration",
-          "safety_controller", "joint_properties", "hardware", "property")  # fmt: skip
 _ROBOT = ("link", "joint", "transmission", "material", "gazebo", "sensor", "ros2_control",
           "mujoco", "drake", "plugin", "group", "group_state", "disable_collisions", "author",
           "deformable", "loop_joint", "model", "robotInterface", "root", "static")  # fmt: skip
@@ -62,47 +60,16 @@ class Inertial:
 
 @dataclass(frozen=True)
 class Link:
-    """A link; without `inertial` it is a frame without mass."""
+    """A link; without `inertial` it is a frame without mass.
+
+    faults: What is wrong with its `mass`, `com` or `inertia`, where the figure is 0 here; an
+    overlay can give it.
+    """
 
     name: str
     inertial: Inertial | None
     where: Where
-
-
-@dataclass(frozen=True)
-class Mimic:
-    """q = multiplier * q_leader + offset."""
-
-    leader: str
-    multiplier: Fraction
-    offset: Fraction
-    where: Where
-
-
-@dataclass(frozen=True, eq=False)
-class Joint:
-    """A joint from the frame of link `parent` to that of `child`.
-
-    `origin` takes the joint frame to the parent's; `axis` turns z to the axis, in the joint frame.
-    Numbers that are not written are None; `reduction` is a transmission's.
-    """
-
-    name: str
-    type: str
-    parent: str
-    child: str
-    origin: Transform
-    axis: Transform
-    lower: Number | None
-    upper: Number | None
-    effort: Number | None
-    velocity: Number | None
-    damping: Number | None
-    friction: Number | None
-    mimic: Mimic | None
-    reduction: Number | None
-    where: Where
-    limit_where: Where | None = None
+    faults: Mapping[str, DescriptionError] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -117,6 +84,17 @@ class Description:
     where: Where
     parent_joint: dict[str, Joint] = field(default_factory=dict)  # by child link
     child_joints: dict[str, list[Joint]] = field(default_factory=dict)  # by parent link
+    unmodelled: Unmodelled = field(default_factory=Unmodelled)
+
+
+@dataclass(frozen=True)
+class Items:
+    """Links and joints that could be read, before it is known whether they make a tree."""
+
+    links: dict[str, Link]
+    joints: dict[str, Joint]
+    notes: list[str]
+    unmodelled: Unmodelled
 
 
 def read_description(root: Element) -> Description:
@@ -126,33 +104,93 @@ def read_description(root: Element) -> Description:
         DescriptionError: Anything that is missing, doubled, unknown or not a number; a structure
             of links and joints that is no tree.
     """
+    faults = Faults()
+    items = read_items(root, faults)
+    faults.stop()
+    for link in items.links.values():
+        faults.add(*link.faults.values())
+    faults.stop()
+    return read_structure(root, items)
+
+
+def read_items(root: Element, faults: Faults) -> Items:
+    """Links and joints of an XML tree; what is wrong with one is added to `faults`.
+
+    Raises:
+        DescriptionError: The tree is no URDF, or one of a version that is not read.
+    """
+    version = _version(root)
+    _refuse_xacro(root)
+    notes: list[str] = []
+    unmodelled = Unmodelled()
+    around(root, unmodelled)
+    for child in root.children:
+        if child.tag not in _ROBOT and ":" not in child.tag:
+            with faults.caught():
+                hint = slip(child.tag, ("link", "joint", "transmission"))
+                if hint:
+                    raise child.where.error(
+                        "robot", f"unknown element <{child.tag}>; {hint}correct or remove it"
+                    )
+                notes.append(
+                    f"<{child.tag}> (line {child.where.line}) says nothing that is used here"
+                )
+    links: list[Link] = []
+    for element in root.all("link"):
+        with faults.caught():
+            links.append(_link(element, version))
+    by_name = _unique(links, "link", faults)
+    drives: dict[str, Transmission] = {}
+    with faults.caught():
+        drives = read_transmissions(root, notes, unmodelled)
+    names = [_name_of(element) for element in root.all("link")]
+    reader = JointReader(names, drives, version, notes, unmodelled, faults)
+    read = [reader.read(element) for element in root.all("joint")]
+    joints = _unique([joint for joint in read if joint is not None], "joint", faults)
+    unknown = set(drives) - {_name_of(element) for element in root.all("joint")}
+    if unknown:
+        notes.append(f"transmissions of joints that do not exist: {', '.join(sorted(unknown))}")
+    if reader.unkept:
+        notes.append(
+            f"limits of deceleration and jerk are not looked at ({', '.join(reader.unkept)})"
+        )
+    if not names:
+        faults.add(root.where.error("robot", "no <link>; a robot has links; give a complete URDF"))
+    return Items(by_name, joints, notes, unmodelled)
+
+
+def read_structure(root: Element, items: Items) -> Description:
+    """The description of links and joints that were all read.
+
+    Raises:
+        DescriptionError: Joints that mimic none or each other; links that are no tree.
+    """
+    for joint in items.joints.values():
+        _check_mimic(joint, items.joints)
+    return _structured(root, items)
+
+
+def _name_of(element: Element) -> str:
+    return element.attributes.get("name", "")
+
+
+def _version(root: Element) -> float:
+    """The version of the format, 1.0 where none is written."""
     if root.tag != "robot":
         raise root.where.error(
             "", f"the first element is <{root.tag[:60]}>; a URDF holds one <robot>; give a URDF"
         )
-    _refuse_xacro(root)
-    notes: list[str] = []
-    for child in root.children:
-        if child.tag not in _ROBOT and ":" not in child.tag:
-            hint = slip(child.tag, ("link", "joint", "transmission"))
-            if hint:
-                raise child.where.error(
-                    "robot", f"unknown element <{child.tag}>; {hint}correct or remove it"
-                )
-            notes.append(f"<{child.tag}> (line {child.where.line}) says nothing that is used here")
-    links = _unique([_link(element) for element in root.all("link")], "link")
-    reductions = _reductions(root, notes)
-    joints = _unique(
-        [_joint(element, links, reductions, notes) for element in root.all("joint")], "joint"
-    )
-    unknown = [name for name in reductions if name not in joints]
-    if unknown:
-        notes.append(f"transmissions of joints that do not exist: {', '.join(unknown)}")
-    if not links:
-        raise root.where.error("robot", "no <link>; a robot has links; give a complete URDF")
-    for joint in joints.values():
-        _check_mimic(joint, joints)
-    return _structured(root, links, joints, notes)
+    if any(child.tag in _HRDF and not _name_of(child) for child in root.children):
+        raise root.where.error("", HRDF)
+    written = root.attributes.get("version", "1.0").strip()
+    if written not in VERSIONS:
+        raise root.where.error(
+            "robot",
+            f"version {shown(written)}; URDF 1.0, 1.1 and 1.2 are read, and another version may "
+            'mean other things by the same words; save the file as one of these (version="1.0" '
+            "where the number is the robot's own)",
+        )
+    return VERSIONS[written]
 
 
 def _refuse_xacro(root: Element) -> None:
@@ -170,10 +208,9 @@ def _refuse_xacro(root: Element) -> None:
             )
 
 
-def _structured(
-    root: Element, links: dict[str, Link], joints: dict[str, Joint], notes: list[str]
-) -> Description:
+def _structured(root: Element, items: Items) -> Description:
     """The description with its tree, after every way not to be one has been excluded."""
+    links, joints = items.links, items.joints
     above: dict[str, Joint] = {}
     below: dict[str, list[Joint]] = {}
     for joint in joints.values():
@@ -206,7 +243,10 @@ def _structured(
     if lost:
         raise _loop(_cycle(lost[0], above), above)
     name = read_name(root)
-    return Description(name, links, joints, roots[0], tuple(notes), root.where, above, below)
+    notes = tuple(items.notes)
+    return Description(
+        name, links, joints, roots[0], notes, root.where, above, below, items.unmodelled
+    )
 
 
 def _loop(cycle: Sequence[str], above: dict[str, Joint]) -> DescriptionError:
@@ -228,140 +268,66 @@ def _cycle(start: str, above: dict[str, Joint]) -> list[str]:
     return seen[seen.index(link) :][::-1]
 
 
-def _unique(items: Sequence[T], kind: str) -> dict[str, T]:
+def _unique(items: Sequence[T], kind: str, faults: Faults) -> dict[str, T]:
     found: dict[str, T] = {}
     for item in items:
         if item.name in found:
-            raise item.where.error(
-                f"{kind} {item.name}",
-                f"a second {kind} of this name (first on line {found[item.name].where.line}); "
-                "names differ; rename one",
+            faults.add(
+                item.where.error(
+                    f"{kind} {item.name}",
+                    f"a second {kind} of this name (first on line {found[item.name].where.line}); "
+                    "names differ; rename one",
+                )
             )
-        found[item.name] = item
+        found.setdefault(item.name, item)
     return found
 
 
-def _link(element: Element) -> Link:
+def _link(element: Element, version: float) -> Link:
     name = read_name(element)
     owner = f"link {name}"
     refuse_slips(element, owner, _LINK, ("name", "type"))
     inertial = element.one("inertial", owner)
-    return Link(name, None if inertial is None else _inertial(inertial, owner), element.where)
+    if inertial is None:
+        return Link(name, None, element.where)
+    return _inertial(inertial, name, owner, version, element.where)
 
 
-def _inertial(element: Element, owner: str) -> Inertial:
+def _inertial(element: Element, name: str, owner: str, version: float, where: Where) -> Link:
     refuse_slips(element, owner, ("origin", "mass", "inertia"), ())
-    parts = {}
-    for tag in ("mass", "inertia"):
-        part = element.one(tag, owner)
-        if part is None:
-            raise element.where.error(
-                owner,
-                f"<inertial> has no <{tag}>; nothing is guessed; add it, or remove <inertial> from "
-                "a frame without mass",
-            )
-        parts[tag] = part
-    refuse_slips(parts["mass"], owner, (), ("value",))
-    refuse_slips(parts["inertia"], owner, (), _ENTRIES)
-    origin = element.one("origin", owner)
-    xyz, pose, turned = read_pose(origin, owner)
-    if origin is None:
-        zero = ScalarNode("0", element.where)
-        xyz = (Number(zero, 0.0), Number(zero, 0.0), Number(zero, 0.0))
-    tensor = tuple(required(parts["inertia"], entry, owner) for entry in _ENTRIES)
-    mass = required(parts["mass"], "value", owner)
-    return Inertial(mass, xyz, pose, turned, tensor, element.where)
+    zero = Number(ScalarNode("0", element.where), 0.0)
+    faults: dict[str, DescriptionError] = {}
+    mass, tensor = zero, (zero,) * len(_ENTRIES)
+    xyz, pose, turned = (zero, zero, zero), IDENTITY, False
+    try:
+        origin = element.one("origin", owner)
+        written, pose, turned = read_pose(origin, owner, version)
+        xyz = xyz if origin is None else written
+    except DescriptionError as fault:
+        faults["com"] = fault
+    try:
+        part = _part(element, "mass", owner, ("value",))
+        mass = required(part, "value", owner)
+    except DescriptionError as fault:
+        faults["mass"] = fault
+    try:
+        part = _part(element, "inertia", owner, _ENTRIES)
+        tensor = tuple(required(part, entry, owner) for entry in _ENTRIES)
+    except DescriptionError as fault:
+        faults["inertia"] = fault
+    return Link(name, Inertial(mass, xyz, pose, turned, tensor, element.where), where, faults)
 
 
-def _joint(
-    element: Element, links: dict[str, Link], reductions: dict[str, Number], notes: list[str]
-) -> Joint:
-    name = read_name(element)
-    owner = f"joint {name}"
-    refuse_slips(element, owner, _JOINT, ("name", "type"))
-    kind = element.attributes.get("type", "")
-    if kind not in JOINT_TYPES:
-        found = f"type {shown(kind)}" if kind else 'no "type"'
+def _part(element: Element, tag: str, owner: str, attributes: Sequence[str]) -> Element:
+    part = element.one(tag, owner)
+    if part is None:
         raise element.where.error(
             owner,
-            f"{found}; {did_you_mean(kind, JOINT_TYPES)}known: {', '.join(JOINT_TYPES)}",
+            f"<inertial> has no <{tag}>; nothing is guessed; add it, or remove <inertial> from a "
+            "frame without mass",
         )
-    ends = {end: _end(element, end, owner, links) for end in ("parent", "child")}
-    if ends["parent"] == ends["child"]:
-        raise element.where.error(
-            owner, f'link "{ends["child"]}" is its own parent; a robot is a tree; correct it'
-        )
-    origin = element.one("origin", owner)
-    _, pose, _ = read_pose(origin, owner)
-    limit, dynamics = element.one("limit", owner), element.one("dynamics", owner)
-    if limit is not None:
-        refuse_slips(limit, owner, (), ("lower", "upper", "effort", "velocity"))
-    if dynamics is not None:
-        refuse_slips(dynamics, owner, (), ("damping", "friction"))
-    return Joint(
-        name=name,
-        type=kind,
-        parent=ends["parent"],
-        child=ends["child"],
-        origin=pose,
-        axis=_axis(element, owner, kind, notes),
-        lower=optional(limit, "lower", owner),
-        upper=optional(limit, "upper", owner),
-        effort=optional(limit, "effort", owner),
-        velocity=optional(limit, "velocity", owner),
-        damping=optional(dynamics, "damping", owner),
-        friction=optional(dynamics, "friction", owner),
-        mimic=_mimic(element, owner),
-        reduction=reductions.get(name),
-        where=element.where,
-        limit_where=None if limit is None else limit.where,
-    )
-
-
-def _end(element: Element, end: str, owner: str, links: dict[str, Link]) -> str:
-    child = element.one(end, owner)
-    if child is None:
-        raise element.where.error(owner, f"no <{end}>; a joint connects two links; add it")
-    name = read_name(child, "link")
-    if name not in links:
-        raise child.where.error(
-            owner,
-            f'{end} link "{name}" does not exist; {did_you_mean(name, links)}'
-            "a joint connects two links of the file; correct the name or add the link",
-        )
-    return name
-
-
-def _axis(element: Element, owner: str, kind: str, notes: list[str]) -> Transform:
-    axis = element.one("axis", owner)
-    if kind in ("fixed", "floating"):
-        return IDENTITY
-    if axis is not None:
-        refuse_slips(axis, owner, (), ("xyz",))
-    direction = [number.exact for number in three(axis, "xyz", owner, "1 0 0")]
-    if not any(direction):
-        raise (axis or element).where.error(
-            f"{owner}, axis", "the axis is 0 0 0; an axis has a direction; write e.g. 0 0 1"
-        )
-    length = math.hypot(*map(float, direction))
-    if abs(length - 1.0) > 1e-3:
-        notes.append(f"{owner}: axis of length {length:.6g} taken as a direction")
-    return rotation_to(direction)
-
-
-def _mimic(element: Element, owner: str) -> Mimic | None:
-    mimic = element.one("mimic", owner)
-    if mimic is None:
-        return None
-    refuse_slips(mimic, owner, (), ("joint", "multiplier", "offset"))
-    multiplier = optional(mimic, "multiplier", owner)
-    offset = optional(mimic, "offset", owner)
-    return Mimic(
-        read_name(mimic, "joint"),
-        Fraction(1) if multiplier is None else multiplier.exact,
-        Fraction(0) if offset is None else offset.exact,
-        mimic.where,
-    )
+    refuse_foreign(part, owner, attributes)
+    return part
 
 
 def _check_mimic(joint: Joint, joints: dict[str, Joint]) -> None:
@@ -380,40 +346,3 @@ def _check_mimic(joint: Joint, joints: dict[str, Joint]) -> None:
                 "one of them leads; remove its <mimic>",
             )
         chain.append(mimic.leader)
-
-
-def _reductions(root: Element, notes: list[str]) -> dict[str, Number]:
-    """Reduction by joint name of the transmissions that have one joint and one reduction."""
-    found: dict[str, Number] = {}
-    for element in root.all("transmission"):
-        owner = f"transmission {element.attributes.get('name', '')[:MAX_NAME]}".strip()
-        joints = list(element.all("joint"))
-        places = [element, *element.all("actuator"), *joints]
-        given = [part for place in places for part in place.all("mechanicalReduction")]
-        if not given or not joints:
-            continue
-        if len(joints) > 1 or len(given) > 1:
-            notes.append(
-                f"{owner}: {len(joints)} joints and {len(given)} reductions; only transmissions "
-                "from one motor to one joint are used; its reduction is left out"
-            )
-            continue
-        try:
-            number = read_number(given[0], "mechanicalReduction", given[0].text, owner)
-        except DescriptionError as problem:
-            # Placeholders such as "reduction" stand in real files; without a rotor inertia, which
-            # a URDF cannot give, the number acts on nothing.
-            notes.append(f"{problem.field}: left out: {problem.message}")
-            continue
-        if number.value == 0.0:
-            raise given[0].where.error(
-                owner, "mechanicalReduction is 0; motor over joint is not 0; correct it"
-            )
-        name = read_name(joints[0])
-        if name in found:
-            notes.append(f"{owner}: joint {name} has a transmission already; left out")
-            continue
-        # The sign is the direction of the motor; inertia goes with the square.
-        node = ScalarNode(number.node.text.lstrip("+-"), given[0].where)
-        found[name] = Number(node, abs(number.value))
-    return found

@@ -20,7 +20,8 @@ from modrobust.formats import Node, ScalarNode
 from modrobust.formats.quantity import parse_angle, parse_exact
 from modrobust.geometry import IDENTITY, Transform, rotation_z, translation
 from modrobust.names import did_you_mean
-from modrobust.urdf_reader import Description, Joint
+from modrobust.urdf_joints import Joint
+from modrobust.urdf_reader import Description
 
 MOVING = ("revolute", "continuous", "prismatic")
 
@@ -46,12 +47,14 @@ class Selection:
     Args:
         frames: Link name to index of the joint it moves with (-1 = base) and frame.
         tip: The link at the end, None where several branches end.
+        base: The root's frame to that of the link that the robot stands on.
     """
 
     motions: tuple[Motion, ...]
     frames: dict[str, tuple[int, Transform]]
     tip: str | None
     notes: tuple[str, ...]
+    base: Transform = IDENTITY
 
 
 def select(
@@ -84,7 +87,8 @@ def select(
     if last is None:
         ends = [name for name in frames if not description.child_joints.get(name)]
         last = ends[0] if len(ends) == 1 else None
-    return Selection(tuple(motions), frames, last, tuple(walk.notes))
+    upright = walk.upright(first)
+    return Selection(tuple(motions), frames, last, tuple(walk.notes), upright)
 
 
 def _link(description: Description, node: ScalarNode | None, field: str) -> str | None:
@@ -188,7 +192,8 @@ class _Walk:
                 continue
             index, frame = self.frames[joint.parent]
             if rigid:
-                moved = frame @ joint.origin @ self._frozen(joint)
+                held = self.locked.get(joint.name, Fraction(0))
+                moved = frame @ joint.origin @ self._frozen(joint, held)
                 self.frames[joint.child] = (index, moved)
             else:
                 self._refuse(joint)
@@ -197,13 +202,46 @@ class _Walk:
                 self.frames[joint.child] = (len(self.motions) - 1, IDENTITY)
             pending += self._children(joint.child)
 
+    def upright(self, first: str) -> Transform:
+        """The root's frame to that of the base link, what moves between them standing still."""
+        way: list[Joint] = []
+        link = first
+        while (joint := self.description.parent_joint.get(link)) is not None:
+            way.insert(0, joint)
+            link = joint.parent
+        frame, held = IDENTITY, []
+        for joint in way:
+            frame = frame @ joint.origin @ self._frozen(joint, self._still(joint))
+            if joint.type != "fixed":
+                held.append(self._held(joint))
+        if held:
+            self.notes.append(
+                f"upright is the root {link} of the URDF; between it and the base {first} moves "
+                f"what is held still here: {', '.join(held)}; where it stands elsewhere, gravity "
+                "has another direction: lock it there (lock:), or turn the root (base: {rpy})"
+            )
+        return frame
+
+    def _held(self, joint: Joint) -> str:
+        """Where a joint before the base stands."""
+        if joint.type not in MOVING:
+            return f"{joint.type} joint {joint.name} at its origin"
+        unit = "m" if joint.type == "prismatic" else "rad"
+        return f"joint {joint.name} at {float(self._still(joint)):g} {unit}"
+
+    def _still(self, joint: Joint) -> Fraction:
+        """Position of a joint before the base: where it is locked, else 0, as it follows that."""
+        if joint.name in self.locked or joint.mimic is None:
+            return self.locked.get(joint.name, Fraction(0))
+        leader = self._still(self.description.joints[joint.mimic.leader])
+        return joint.mimic.multiplier * leader + joint.mimic.offset
+
     def _children(self, link: str) -> list[Joint]:
         return self.description.child_joints.get(link, [])[::-1]
 
-    def _frozen(self, joint: Joint) -> Transform:
-        """The motion of a fixed or locked joint."""
-        value = self.locked.get(joint.name)
-        if not value:
+    def _frozen(self, joint: Joint, value: Fraction) -> Transform:
+        """The motion of a joint that stands at `value`; none where it is fixed or floats."""
+        if not value or joint.type not in MOVING:
             return IDENTITY
         motion = translation((0, 0, value)) if joint.type == "prismatic" else rotation_z(value)
         return joint.axis @ motion @ joint.axis.inverse()

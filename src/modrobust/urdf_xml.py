@@ -25,6 +25,18 @@ MAX_ATTRIBUTES = 32  # of one element
 MAX_NAMESPACES = 200  # declared anywhere
 MAX_VALUE = 4096  # characters of one attribute
 SUFFIXES = (".urdf", ".xml", ".xacro")
+HRDF = (
+    "a robot of HEBI's HRDF, which names products and whose figures stand in HEBI's library; it is "
+    "not read; give a URDF of the robot, or an assembly file of its modules"
+)
+# Where a prefix that a file forgot to declare is known to belong.
+_NAMESPACES = {
+    "drake": "http://drake.mit.edu",
+    "xacro": "http://www.ros.org/wiki/xacro",
+    "sensor": "http://playerstage.sourceforge.net/gazebo/xmlschema/#sensor",
+    "controller": "http://playerstage.sourceforge.net/gazebo/xmlschema/#controller",
+    "interface": "http://playerstage.sourceforge.net/gazebo/xmlschema/#interface",
+}
 
 _PROLOG = re.compile(r"\s*(?:<\?.*?\?>|<!--.*?-->)", re.DOTALL)
 
@@ -70,6 +82,8 @@ def read_bytes(path: str | Path) -> bytes:
         raise FileError(name.replace("\0", "\\0"), "no such file; check the path")
     if not file.is_file():
         raise FileError(name, "is not a regular file; a robot description is one; name it")
+    if file.suffix.lower() == ".hrdf":
+        raise FileError(name, HRDF)
     if file.suffix.lower() not in SUFFIXES:
         raise FileError(
             name, f'suffix "{file.suffix}"; a URDF ends in .urdf, .xml or .xacro; rename it'
@@ -113,6 +127,16 @@ def parse_xml(data: bytes, name: str) -> Element:
     except etree.XMLSyntaxError as error:
         problem = " ".join((error.msg or "cannot be read").split())[:200]
         problem = re.sub(r",? ?line \d+, column \d+$", "", problem)
+        prefix = re.match(r"Namespace prefix (\S+) .*not defined", problem)
+        if prefix:
+            uri = _NAMESPACES.get(prefix[1], f"urn:{prefix[1]}")
+            raise DescriptionError(
+                name,
+                error.lineno or None,
+                "",
+                f'the prefix "{prefix[1][:60]}:" is not declared; XML declares a prefix before it '
+                f'is used; add xmlns:{prefix[1][:60]}="{uri[:100]}" to <robot>',
+            ) from None
         raise DescriptionError(
             name,
             error.lineno or None,

@@ -8,7 +8,20 @@ from typing import Annotated
 import typer
 
 from modrobust.cli.assemble_export import Mjcf, Places, Point, Urdf, check_point, export
-from modrobust.cli.options import Base, Json, Lock, Payload, RobotFile, Tip, Tolerance, robot
+from modrobust.cli.options import (
+    Base,
+    Gravity,
+    Json,
+    Lock,
+    Mount,
+    Package,
+    Payload,
+    RobotFile,
+    Tip,
+    Tolerance,
+    Xacro,
+    robot,
+)
 
 EXAMPLES = """\b
 Examples:
@@ -27,6 +40,10 @@ def assemble(
     lock: Lock = None,
     tolerance: Tolerance = None,
     payload: Payload = None,
+    mount: Mount = None,
+    gravity: Gravity = None,
+    xacro: Xacro = None,
+    package: Package = None,
     json: Json = False,
     output: Annotated[
         Path | None,
@@ -47,7 +64,9 @@ def assemble(
     with Places() as place:
         resolved = place(output, ".json", "a resolved robot")
         parts = place(urdf, ".urdf", "a URDF"), place(mjcf, ".xml", "an MJCF")
-        loaded = robot(file, base, tip, lock, tolerance, payload, say_exact=False)
+        loaded = robot(
+            file, base, tip, lock, tolerance, payload, mount, gravity, xacro, package, False
+        )
         if resolved is not None:
             resolved.write_text(json_text(loaded.to_dict()), encoding="utf-8")
         export(loaded, *parts, parameters, seed)

@@ -48,9 +48,8 @@ def print_report(robot: Robot, report: Report) -> None:
 
 
 def _mounting(robot: Robot) -> list[str]:
-    """Where the base stands and which way it feels gravity, where either is not the default."""
+    """Where the base stands, where that is not the default, and which way it feels gravity."""
     from modrobust.describe.orientation import roll_pitch_yaw
-    from modrobust.formats.assembly import GRAVITY
 
     lines = []
     turned = robot.base[:3, :3].T @ robot.gravity
@@ -58,9 +57,16 @@ def _mounting(robot: Robot) -> list[str]:
         degrees = np.degrees(roll_pitch_yaw(robot.base[:3, :3]))
         place = _row(robot.base[:3, 3])
         lines.append(f"Base in the world: xyz [{place}] m, rpy [{_row(degrees)}] deg.")
-    if lines or not np.array_equal(robot.gravity, GRAVITY):
-        lines.append(f"Gravity in base axes: [{_row(turned)}] m/s^2.")
-    return [*lines, ""] if lines else []
+    return [*lines, f"Gravity in base axes: [{_row(turned)}] m/s^2{_along(turned)}.", ""]
+
+
+def _along(gravity: Array) -> str:
+    """``, along -z`` where gravity lies on an axis to within a degree."""
+    k = int(np.argmax(np.abs(gravity)))
+    length = float(np.linalg.norm(gravity))
+    if not length or abs(gravity[k]) < math.cos(math.radians(1.0)) * length:
+        return ""
+    return f", along {'-' if gravity[k] < 0.0 else '+'}{'xyz'[k]}"
 
 
 def _row(values: Iterable[float]) -> str:

@@ -6,7 +6,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from modrobust.cli.options import Base, Json, Lock, Payload, Tip, Tolerance, robot
+from modrobust.cli.options import (
+    Base,
+    Gravity,
+    Json,
+    Lock,
+    Mount,
+    Package,
+    Payload,
+    Tip,
+    Tolerance,
+    Xacro,
+    robot,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -46,6 +58,10 @@ def bench(
     lock: Lock = None,
     tolerance: Tolerance = None,
     payload: Payload = None,
+    mount: Mount = None,
+    gravity: Gravity = None,
+    xacro: Xacro = None,
+    package: Package = None,
     peers: Annotated[
         bool, typer.Option("--peers", help="Only times, beside those of other libraries.")
     ] = False,
@@ -59,7 +75,7 @@ def bench(
     from modrobust.benchmark import benchmark
     from modrobust.cli.output import ProgressBar, note, print_json
 
-    options = (base, tip, lock, tolerance, payload)
+    options = (base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
     robots = [robot(file, *options) for file in files or ["lwa4p-paper"]]
     if peers:
         compare(robots, json)

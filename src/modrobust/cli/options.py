@@ -42,6 +42,26 @@ Payload = Annotated[
         help='Payload, e.g. "mass=[0 kg, 2 kg], com=[0, 0, [20 mm, 80 mm]], at=LINK".',
     ),
 ]
+Mount = Annotated[
+    str | None,
+    typer.Option(
+        metavar="RPY", help='Turn of the root in the world [rad], e.g. "0, 90 deg, 0". [file\'s]'
+    ),
+]
+Gravity = Annotated[
+    str | None,
+    typer.Option(metavar="XYZ", help='In world axes [m/s^2], e.g. "0 0 -1.62". [file\'s]'),
+]
+Xacro = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME:=VALUE", help="Argument of a xacro file; repeatable."),
+]
+Package = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME=PATH", help="Folder of package://NAME and $(find NAME); repeatable."
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 
 
@@ -105,6 +125,10 @@ def robot(
     lock: list[str] | None,
     tolerance: str | None,
     payload: str | None,
+    mount: str | None = None,
+    gravity: str | None = None,
+    xacro: list[str] | None = None,
+    package: list[str] | None = None,
     say_exact: bool = True,
 ) -> Robot:
     """The robot of a command, with its options laid over it.
@@ -112,21 +136,41 @@ def robot(
     Where nothing has a bound, this is said on stderr, unless the command shows it anyway.
     """
     from modrobust.assembly import load_robot
-    from modrobust.errors import ValueRangeError
 
-    locked: dict[str, float | str] = {}
-    for text in lock or []:
-        name, sign, value = text.rpartition("=")
-        if not sign or not name.strip():
-            raise ValueRangeError(
-                f'--lock: "{text[:60]}" is no JOINT=VALUE; write e.g. --lock finger_joint=0.02'
-            )
-        if name.strip() in locked:
-            raise ValueRangeError(f"--lock: {name.strip()} is locked twice; give one value")
-        locked[name.strip()] = value.strip()
-    loaded = load_robot(file, base=base, tip=tip, lock=locked, tolerance=tolerance, payload=payload)
+    locked = _pairs(lock, "=", "--lock", "JOINT=VALUE", "finger_joint=0.02", "locked")
+    loaded = load_robot(
+        file,
+        base=base,
+        tip=tip,
+        lock=locked,
+        tolerance=tolerance,
+        payload=payload,
+        mount=mount,
+        gravity=gravity,
+        xacro=_pairs(xacro, ":=", "--xacro", "NAME:=VALUE", "prefix:=left_", "given"),
+        packages=_pairs(package, "=", "--package", "NAME=PATH", "ur_description=src/ur", "given"),
+    )
     if say_exact and bool((loaded.lower.packed == loaded.upper.packed).all()):
         from modrobust.cli.output import note
 
         note(f"{file}: no bounds are given; every parameter is taken as exact")
     return loaded
+
+
+def _pairs(
+    texts: list[str] | None, sign: str, option: str, form: str, example: str, done: str
+) -> dict[str, str]:
+    """What the texts of a repeatable option say, by name."""
+    from modrobust.errors import ValueRangeError
+
+    found: dict[str, str] = {}
+    for text in texts or []:
+        name, written, value = text.rpartition(sign) if sign == "=" else text.partition(sign)
+        if not written or not name.strip():
+            raise ValueRangeError(
+                f'{option}: "{text[:60]}" is no {form}; write e.g. {option} {example}'
+            )
+        if name.strip() in found:
+            raise ValueRangeError(f"{option}: {name.strip()} is {done} twice; give one value")
+        found[name.strip()] = value.strip()
+    return found

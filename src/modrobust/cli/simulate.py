@@ -9,12 +9,16 @@ import typer
 
 from modrobust.cli.options import (
     Base,
+    Gravity,
     Json,
     Lock,
+    Mount,
+    Package,
     Payload,
     RobotFile,
     Tip,
     Tolerance,
+    Xacro,
     hertz,
     named_as_options,
     robot,
@@ -92,6 +96,10 @@ def simulate(
     lock: Lock = None,
     tolerance: Tolerance = None,
     payload: Payload = None,
+    mount: Mount = None,
+    gravity: Gravity = None,
+    xacro: Xacro = None,
+    package: Package = None,
     json: Json = False,
 ) -> None:
     """Simulate the closed loop of a robot whose true parameters the controller does not know."""
@@ -109,7 +117,7 @@ def simulate(
     if log is not None:
         check_writable(log)
     check_pictures(video, view)
-    arm = robot(file, base, tip, lock, tolerance, payload)
+    arm = robot(file, base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
     options = ["control_rate", "scenario", "parameters"]
     options += ["duration"] if duration is not None else []  # else it is the file's
     options += ["trajectory"] if trajectory is not None else []

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 
@@ -30,7 +32,7 @@ from modrobust.formats.models import (
     TrajectoryEntry,
 )
 from modrobust.formats.module import ModuleFields, check_kind, check_stem, nested_item
-from modrobust.formats.nodes import ListNode, Node, ScalarNode
+from modrobust.formats.nodes import ListNode, Node, ScalarNode, Where, kind_of, shown
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.perjoint import PerJoint
 from modrobust.formats.quantity import Quantity, parse_point, parse_vector
@@ -40,7 +42,10 @@ from modrobust.formats.tolerance import Tolerances
 from modrobust.kernel import own_environment
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
-_URDF_KEYS = ("base_link", "tip_link", "lock", "links", "joints", "tolerance")
+_URDF_KEYS = (
+    "base_link", "tip_link", "lock", "links", "joints", "tolerance", "xacro", "packages"
+)  # fmt: skip
+_XACRO_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 _ZERO = Quantity(0.0, 0.0, 0.0, bounded=False)
 
 
@@ -68,7 +73,7 @@ def load_assembly(path: str | Path) -> Assembly:
         file=Path(path),
         modules=_directories(model, directory),
         base=pose_matrix(base.xyz if base else None, base.rpy if base else None, "base"),
-        gravity=(GRAVITY if model.gravity is None else _gravity(model.gravity)),
+        gravity=(GRAVITY if model.gravity is None else read_gravity(model.gravity)),
         chain=_chain(model),
         payload=None if model.payload is None else read_payload(model.payload, notes),
         disturbance=_per_joint(model.disturbance, "disturbance", "effort", bounds=True),
@@ -89,7 +94,8 @@ def load_assembly(path: str | Path) -> Assembly:
     )
 
 
-def _gravity(node: Node) -> tuple[float, float, float]:
+def read_gravity(node: Node) -> tuple[float, float, float]:
+    """A vector in world axes [m/s^2]."""
     x, y, z = (nearest(entry) for entry in points(node, "acceleration", "gravity"))
     return x, y, z
 
@@ -139,7 +145,49 @@ def _urdf(model: AssemblyModel, directory: Path) -> UrdfSource | None:
         links=dict(model.links or {}),
         joints=dict(model.joints or {}),
         tolerance=model.tolerance,
+        xacro=xacro_arguments(model.xacro or {}),
+        packages=package_folders(model.packages or {}, directory, node.place("packages")),
     )
+
+
+def xacro_arguments(given: Mapping[str, Node]) -> dict[str, str]:
+    """Arguments of a xacro file, as they are handed to it.
+
+    Raises:
+        DescriptionError: A name or a value that xacro would pass over.
+    """
+    arguments = {}
+    for name, node in given.items():
+        field = f"xacro.{name[:80]}"
+        if not _XACRO_NAME.fullmatch(name):
+            raise node.where.error(
+                field,
+                "not a name; names of xacro arguments are letters, digits and _, and begin with a "
+                "letter; correct it",
+            )
+        if not isinstance(node, ScalarNode):
+            raise node.where.error(field, f"{kind_of(node)}; an argument is a text; write one")
+        if ":=" in node.text:
+            raise node.where.error(
+                field, f'{shown(node.text)} holds ":=", which xacro cannot read; leave it out'
+            )
+        arguments[name] = node.text
+    return arguments
+
+
+def package_folders(given: Mapping[str, str], directory: Path, where: Where) -> dict[str, Path]:
+    """Folders of packages.
+
+    Raises:
+        DescriptionError: There is no such folder.
+    """
+    folders = {name: directory / path for name, path in given.items()}
+    for name, folder in folders.items():
+        if not os.path.isdir(folder):  # Path.is_dir raises where a name is too long
+            raise where.error(
+                f"packages.{name[:80]}", f'no directory "{folder}"; give the folder of the package'
+            )
+    return folders
 
 
 def _chain(model: AssemblyModel) -> tuple[NestedItem, ...]:

@@ -346,6 +346,14 @@ class AssemblyModel(Part):
         None, description="URDF: limits, drive and friction, by joint"
     )
     tolerance: ToleranceModel | None = Field(None, description="URDF: default bounds")
+    xacro: Annotated[dict[str, Anything], as_dict] | None = Field(
+        None, description="URDF: arguments of a xacro file, by name"
+    )
+    packages: Annotated[dict[str, Text], as_dict] | None = Field(
+        None,
+        description="URDF: folders by package, for package://NAME and $(find NAME), relative to "
+        "this file",
+    )
     payload: PayloadModel | None = Field(None, description="Payload")
     disturbance: PerJointValue | None = Field(None, description="[N m] or [N] per joint, bounds")
     controller: ControllerModel | None = Field(None, description="Controller settings")

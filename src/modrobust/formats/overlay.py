@@ -15,11 +15,14 @@ class UrdfSource:
     """A URDF and what is laid over it.
 
     Args:
-        file: Path of the file, or ``package:NAME/PATH`` for a file of an installed package.
+        file: Path of the file, ``package:NAME/PATH`` for a file of an installed package, or
+            ``package://NAME/PATH`` for one in the folder that `packages` gives.
         base_link, tip_link: Ends of the chain to take, None = the root, and all branches.
         lock: Joint name to the position [rad] or [m] that it is frozen at.
         links, joints: Overlays by name.
         tolerance: Bounds for parameters that have none of their own.
+        xacro: Arguments of a xacro file by name.
+        packages: Folders of packages by name, for ``package://NAME`` and ``$(find NAME)``.
         where: Where the URDF is named.
     """
 
@@ -32,3 +35,5 @@ class UrdfSource:
     links: Mapping[str, LinkOverlay] = field(default_factory=dict)
     joints: Mapping[str, JointOverlay] = field(default_factory=dict)
     tolerance: ToleranceModel | None = None
+    xacro: Mapping[str, str] = field(default_factory=dict)
+    packages: Mapping[str, Path] = field(default_factory=dict)
