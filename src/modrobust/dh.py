@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modrobust.geometry import rotation_z, translation
+from modrobust.geometry import arctan2, cos_sin, rotation_z, translation
 
 Array = NDArray[np.float64]
 
@@ -97,7 +97,7 @@ def dh_table(parents: Sequence[int] | NDArray[np.int32], before: Array, after: A
     rows = []
     h = phi = 0.0  # D-H frame 0 is the first joint's own frame
     for i in range(n):
-        step = _decompose(after[i] @ before[i + 1] if i + 1 < n else after[i])
+        step = _decompose(_product(after[i], before[i + 1]) if i + 1 < n else after[i])
         theta = _wrapped(step.theta - phi)
         rows.append(DHRow(step.a, step.alpha, step.d - h + 0.0, theta, step.near_parallel))
         h, phi = step.h, step.phi
@@ -113,14 +113,14 @@ def _decompose(transform: Array) -> _Step:
     if sine <= _MERGED:
         return _parallel(rotation, p, near=sine > _PARALLEL)
     u = np.array([-w[1] / sine, w[0] / sine, 0.0])  # common normal, up to its sign
-    along = float(u @ p)
+    along = _dot(u, p)
     phi = _angle_in(rotation, u)
     if _flip(along, phi):
         u, along, phi = -u, -along, _angle_in(rotation, -u)
     # Components of p + h w = d e_z + a u along w_xy and along e_z.
-    h = -float(p[0] * w[0] + p[1] * w[1]) / sine**2
+    h = -float(p[0] * w[0] + p[1] * w[1]) / (sine * sine)
     d = float(p[2] + h * w[2])
-    alpha = math.atan2(float(u[0] * -w[1] + u[1] * w[0]), float(w[2]))
+    alpha = arctan2(float(u[0] * -w[1] + u[1] * w[0]), float(w[2]))
     near = sine < _NEAR_PARALLEL or abs(d) + abs(h) > _FAR
     return _Step(_direction(u), d + 0.0, along + 0.0, alpha, h + 0.0, phi, near)
 
@@ -130,8 +130,9 @@ def _parallel(rotation: Array, p: Array, *, near: bool) -> _Step:
     distance = math.hypot(p[0], p[1])
     alpha = 0.0 if rotation[2, 2] > 0.0 else math.pi
     if distance <= _TOUCHING:  # one line: keep the next frame's x axis (phi = 0)
-        theta = math.atan2(rotation[1, 0], rotation[0, 0])
-        along = float(p[0] * math.cos(theta) + p[1] * math.sin(theta))
+        theta = arctan2(rotation[1, 0], rotation[0, 0])
+        cosine, sine = map(float, cos_sin(theta))
+        along = float(p[0] * cosine + p[1] * sine)
         return _Step(theta + 0.0, float(p[2]) + 0.0, along + 0.0, alpha, 0.0, 0.0, near)
     u, along = np.array([p[0] / distance, p[1] / distance, 0.0]), distance
     phi = _angle_in(rotation, u)
@@ -155,12 +156,24 @@ def _flip(along: float, phi: float) -> bool:
 
 def _angle_in(rotation: Array, u: Array) -> float:
     """Angle [rad] of the direction u about the next axis, from the next frame's x axis."""
-    local = rotation.T @ u
-    return math.atan2(float(local[1]) + 0.0, float(local[0]))
+    x, y = (_dot(rotation[:, k], u) for k in (0, 1))
+    return arctan2(y + 0.0, x)
+
+
+def _product(one: Array, other: Array) -> Array:
+    """A B (4, 4), summed in order: BLAS chooses the order by the processor."""
+    a, b, c, d = (one[:, k, None] * other[k] for k in range(4))
+    result: Array = a + b + c + d
+    return result
+
+
+def _dot(x: Array, y: Array) -> float:
+    a, b, c = (float(p * q) for p, q in zip(x, y, strict=True))
+    return a + b + c
 
 
 def _direction(u: Array) -> float:
-    return math.atan2(float(u[1]) + 0.0, float(u[0]))
+    return arctan2(float(u[1]) + 0.0, float(u[0]))
 
 
 def _wrapped(angle: float) -> float:

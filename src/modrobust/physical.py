@@ -14,17 +14,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from modrobust.symmetric import eigenvalues
+
 Array = NDArray[np.float64]
 
 _ROUNDING = 1e-15  # of the trace: what the eigenvalues of an exact boundary case are off by
-_BISECTIONS = 60
+_ROUNDS = 10  # of cutting the way that is left into 64 parts: 60 binary digits
+_BETWEEN = np.arange(1.0, 64.0) / 64.0
 
 
 def least_second_moment(inertia: Array) -> Array:
     """Least eigenvalue of tr(J)/2 1 - J [kg m^2]; inertia ``(..., 3, 3)`` gives ``(...)``."""
-    trace = np.trace(inertia, axis1=-2, axis2=-1)
+    trace = _trace(inertia)
     sigma = 0.5 * trace[..., None, None] * np.eye(3) - inertia
-    least: Array = np.linalg.eigvalsh(sigma)[..., 0]
+    least: Array = eigenvalues(sigma)[..., 0]
     return least
 
 
@@ -35,7 +38,7 @@ def is_physical(inertia: Array, nominal: Array) -> NDArray[np.bool_]:
     little outside; its own box must still hold points. Hence the comparison with `nominal`, of a
     shape that broadcasts against `inertia`.
     """
-    trace = np.trace(inertia, axis1=-2, axis2=-1)
+    trace = _trace(inertia)
     allowed = np.minimum(0.0, least_second_moment(nominal)) - _ROUNDING * np.abs(trace)
     result: NDArray[np.bool_] = least_second_moment(inertia) >= allowed
     return result
@@ -44,11 +47,19 @@ def is_physical(inertia: Array, nominal: Array) -> NDArray[np.bool_]:
 def pull_to_physical(nominal: Array, inertia: Array) -> Array:
     """The last physical tensor ``(3, 3)`` on the straight way from nominal to `inertia`."""
     lo, hi = 0.0, 1.0
-    for _ in range(_BISECTIONS):
-        mid = 0.5 * (lo + hi)
-        inside = bool(is_physical(nominal + mid * (inertia - nominal), nominal))
-        lo, hi = (mid, hi) if inside else (lo, mid)
+    for _ in range(_ROUNDS):
+        at = lo + (hi - lo) * _BETWEEN
+        inside = is_physical(nominal + at[:, None, None] * (inertia - nominal), nominal)
+        first = len(at) if inside.all() else int(np.argmin(inside))  # of those outside
+        ends = [lo, *at.tolist(), hi]
+        lo, hi = ends[first], ends[first + 1]
     pulled = nominal + lo * (inertia - nominal)
     # Clipped, since rounding could carry an entry beyond the tensor it was pulled from.
     result: Array = np.clip(pulled, np.minimum(nominal, inertia), np.maximum(nominal, inertia))
     return result
+
+
+def _trace(tensors: Array) -> Array:
+    """Summed in order, so that it has the same bits on every machine."""
+    xx, yy, zz = (tensors[..., i, i] for i in range(3))
+    return np.asarray(xx + yy + zz)

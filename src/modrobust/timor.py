@@ -29,8 +29,9 @@ from modrobust.errors import DescriptionError, FileError, ValueRangeError
 from modrobust.formats import MapNode, Node
 from modrobust.formats.inertia import positive_definite, steiner
 from modrobust.formats.json_reader import parse_json
-from modrobust.geometry import Transform, rotation_x
+from modrobust.geometry import Transform, arctan2, rotation_x
 from modrobust.kernel import own_environment
+from modrobust.symmetric import eigenvalues
 from modrobust.timor_reader import (
     EFFORT,
     Body,
@@ -149,7 +150,7 @@ def _physical(entries: Sequence[Fraction]) -> bool:
     if not positive_definite(entries):
         return False
     xx, xy, xz, yy, yz, zz = (float(entry) for entry in entries)
-    moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    moments = eigenvalues(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
     return bool(moments[2] - moments[1] - moments[0] <= _TRIANGLE * moments[2])
 
 
@@ -373,12 +374,12 @@ def _span(transform: Transform) -> list[str]:
 def rpy_of(rotation: Array) -> tuple[float, float, float]:
     """Roll, pitch and yaw [rad] of a rotation (3, 3) = Rz(yaw) Ry(pitch) Rx(roll)."""
     flat = math.hypot(rotation[0, 0], rotation[1, 0])
-    pitch = math.atan2(-rotation[2, 0], flat)
+    pitch = arctan2(-rotation[2, 0], flat)
     if flat > 1e-9:
-        roll = math.atan2(rotation[2, 1], rotation[2, 2])
-        return roll, pitch, math.atan2(rotation[1, 0], rotation[0, 0])
+        roll = arctan2(rotation[2, 1], rotation[2, 2])
+        return roll, pitch, arctan2(rotation[1, 0], rotation[0, 0])
     # Pitch of +-90 degrees: only roll -+ yaw is determined; yaw is taken as 0.
-    return math.atan2(math.copysign(1.0, pitch) * rotation[0, 1], rotation[1, 1]), pitch, 0.0
+    return arctan2(math.copysign(1.0, pitch) * rotation[0, 1], rotation[1, 1]), pitch, 0.0
 
 
 def _angle(value: float) -> str:

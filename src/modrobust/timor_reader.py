@@ -13,9 +13,11 @@ import numpy as np
 from modrobust.errors import FileError
 from modrobust.formats import ListNode, MapNode, Node, ScalarNode, Where
 from modrobust.geometry import Transform, from_rows
+from modrobust.robot_checks import is_rotation
 
 MAX_BYTES = 1 << 20
 LARGEST = 1e100  # of a mass, a length or an inertia: products of three stay finite
+_RIGID = 1e-6  # how far a rotation may be from orthonormal; databases have few digits
 EFFORT = {"revolute": "torque", "continuous": "torque", "prismatic": "force"}
 
 
@@ -202,8 +204,6 @@ def _numbers(node: Node, length: int, field: str) -> list[str]:
 def _pose(node: Node, field: str) -> Transform:
     rows = [_numbers(row, 4, field) for row in members(node, field, 4)]
     matrix = np.array(rows, dtype=np.float64)
-    turned = matrix[:3, :3]
-    rigid = np.allclose(turned @ turned.T, np.eye(3), atol=1e-6) and np.linalg.det(turned) > 0.0
-    if not rigid or not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
+    if not is_rotation(matrix[:3, :3], _RIGID) or not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
         raise node.where.error(field, "not a rigid transform; correct it")
     return from_rows([[Fraction(text) for text in row] for row in rows[:3]])

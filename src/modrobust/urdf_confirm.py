@@ -90,8 +90,8 @@ def _same_joint(joint: Joint, other: Any) -> bool:
     given = np.asarray(other.axis, dtype=np.float64)
     axis = joint.axis.rounded()[:3, 2]
     along = joint.type in ("fixed", "floating") or bool(
-        np.allclose(np.cross(axis, given), 0.0, atol=1e-9 * np.linalg.norm(given))
-        and axis @ given > 0.0
+        np.allclose(np.cross(axis, given), 0.0, atol=1e-9 * np.abs(given).max())
+        and np.sum(axis * given) > 0.0
     )
     return (
         (other.type, other.parent, other.child) == (joint.type, joint.parent, joint.child)

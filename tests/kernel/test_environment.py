@@ -90,6 +90,28 @@ def test_results_and_the_callers_environment_are_as_ever(kind: str, folder: Path
     assert answer["changed"] == []
 
 
+FIRST_USE = """
+import ctypes, hashlib, sys, numpy
+fenv = ctypes.CDLL(sys.argv[1])
+fenv["be_" + sys.argv[2]]()
+import modrobust as mr
+robot = mr.load_robot("lwa4p-paper")
+fenv.be_normal()
+points = (robot.nominal, robot.lower, robot.upper)
+parts = [robot.before, robot.after, robot.placement, *(point.packed for point in points)]
+print(hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest())
+"""
+
+
+def test_the_first_use_may_be_in_any_environment(folder: Path) -> None:
+    command = [sys.executable, "-c", FIRST_USE, folder / "fenv.so"]
+    found = {
+        kind: subprocess.run([*command, kind], check=True, stdout=subprocess.PIPE).stdout
+        for kind in ("normal", *KINDS)
+    }
+    assert len(set(found.values())) == 1, found
+
+
 def test_a_library_built_with_fast_math_changes_nothing(folder: Path) -> None:
     normal = run(folder, "given")
     answer = run(folder, "given", preload=str(folder / "fast.so"))

@@ -11,7 +11,6 @@ which says that no principal moment exceeds the sum of the other two.
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 from modrobust.formats.exact import Enclosure, nearest
 from modrobust.formats.nodes import Where
 from modrobust.formats.quantity import Quantity, Written
+from modrobust.symmetric import eigenvalues, largest_eigenvalue
 
 ENTRIES = ("xx", "xy", "xz", "yy", "yz", "zz")
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -52,24 +52,11 @@ def moved_to_com(
 
 
 def largest_principal_moment(tensor: Sequence[Fraction]) -> Fraction:
-    """A rational at most a few 1e-16 (relative) above the largest principal moment, never below.
+    """A rational at most 1e-19 (relative) above the largest principal moment, never below.
 
-    Diagonal tensors: exact. Others: the eigenvalue in doubles, raised until exact arithmetic
-    confirms that u 1 - I is positive definite. `tensor` must be positive definite itself.
+    Diagonal tensors: exact. No step depends on the machine.
     """
-    xx, xy, xz, yy, yz, zz = tensor
-    if xy == xz == yz == 0:
-        return max(xx, yy, zz)
-    trace = xx + yy + zz  # an upper bound by itself: all moments are positive
-    computed = float(_moments([nearest(entry) for entry in tensor])[-1])
-    if not math.isfinite(computed):
-        return trace
-    margin = trace / 2**52
-    while True:
-        bound = Fraction(computed) + margin
-        if positive_definite((bound - xx, -xy, -xz, bound - yy, -yz, bound - zz)):
-            return bound
-        margin *= 2
+    return largest_eigenvalue(tensor)
 
 
 def positive_definite(tensor: Sequence[Fraction]) -> bool:
@@ -120,7 +107,7 @@ def box_is_physical(inertia: Sequence[Quantity]) -> bool:
     Those tensors form a convex cone, so the 64 corners of the box decide.
     """
     corners = np.array(list(itertools.product(*((entry.lo, entry.hi) for entry in inertia))))
-    moments = np.linalg.eigvalsh(_matrices(corners))
+    moments = eigenvalues(_matrices(corners))
     excess = moments[:, 2] - moments[:, 1] - moments[:, 0]
     return bool(np.all(excess <= _TRIANGLE * np.abs(moments[:, 2])))
 
@@ -154,8 +141,7 @@ def box_body(mass: Written, size: Sequence[Written], where: Where, field: str) -
 
 def _moments(entries: Sequence[float]) -> NDArray[np.float64]:
     """Principal moments in ascending order."""
-    moments: NDArray[np.float64] = np.linalg.eigvalsh(_matrices(np.array([entries])))[0]
-    return moments
+    return eigenvalues(_matrices(np.array([entries])))[0]
 
 
 def _matrices(rows: NDArray[np.float64]) -> NDArray[np.float64]:
