@@ -537,11 +537,11 @@ NB_MODULE(_kernel, m) {
 
     nb::class_<Model>(m, "Model")
         .def(nb::init<const Ints &, const Ints &, const Stack &, const Stack &, const Vec &,
-                      const Ints &, const Stack &, const Ints &, const Vec &, const Vec &, const Ints &,
-                      const Vec &, const Vec &>(),
+                      const Ints &, const Stack &, const Ints &, const Vec &, const Vec &,
+                      const Ints &, const Vec &, const Vec &>(),
              "joint_type"_a, "parent"_a, "before"_a, "after"_a, "gravity"_a, "body_joint"_a,
-             "placement"_a, "inertia_about"_a, "gear_ratio"_a, "coulomb_speed"_a, "leader"_a, "multiplier"_a,
-             "offset"_a)
+             "placement"_a, "inertia_about"_a, "gear_ratio"_a, "coulomb_speed"_a, "leader"_a,
+             "multiplier"_a, "offset"_a)
         .def_prop_ro("n", [](const Model &model) { return model.c.n; })
         .def_prop_ro("b", [](const Model &model) { return model.c.b; });
 

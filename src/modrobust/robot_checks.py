@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.physical import ABOUT_COM, ABOUT_FRAME
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -39,6 +40,17 @@ def check_tree(
     ):
         for k in np.flatnonzero((index < first) | (index > last))[:1]:
             raise ValueRangeError(f"{name}[{k}] is {index[k]}; it must be {rule}")
+
+
+def check_abouts(abouts: Sequence[str], b: int, owner: str) -> None:
+    """Refuses reference points of tensors that are not one for each body, or unknown."""
+    if len(abouts) != b:
+        raise ShapeError(f"inertia_about: expected {b} entries, got {len(abouts)}; {owner}")
+    for k, about in enumerate(abouts):
+        if about not in (ABOUT_COM, ABOUT_FRAME):
+            raise ValueRangeError(
+                f'inertia_about[{k}] is "{about}"; known: {ABOUT_COM}, {ABOUT_FRAME}'
+            )
 
 
 def check_rigid(name: str, transforms: Array) -> None:

@@ -122,7 +122,11 @@ def _kinds_of_box(robot: Robot) -> set[str]:
         np.stack([p.rotor_inertia, p.viscous, p.coulomb])
         for p in (robot.lower, robot.nominal, robot.upper)
     ]
+    wide_com = (width[:, 1:4] > 0.0).any(axis=1)
     found = {
+        "tensor about the frame": robot.framed.any(),
+        "com unknown, tensor about the frame": (robot.framed & wide_com).any(),
+        "mass unknown, tensor about the frame": (robot.framed & (width[:, 0] > 0.0)).any(),
         "all bodies exact": exact.all(),
         "exact bodies beside others": exact.any() and not exact.all(),
         "body known to a bit": ((width == ulps).all(axis=1)).any(),
