@@ -1,8 +1,8 @@
 """Random robots, built straight from arrays, for tests of the dynamics.
 
 Revolute and prismatic joints mixed, serial or branched, several bodies a link with any placement,
-bodies fixed to the base, physical inertias, and bounds that are exact, narrow, wide, or a mix. Every
-third body's tensor is about its frame, not its COM.
+bodies fixed to the base, physical inertias, and bounds that are exact, narrow, wide, or a mix.
+Every third tensor is about the frame of its body, not the COM.
 """
 
 from __future__ import annotations
