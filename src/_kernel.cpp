@@ -86,16 +86,17 @@ class Model {
   public:
     Model(const Ints &joint_type, const Ints &parent, const Stack &before, const Stack &after,
           const Vec &gravity, const Ints &body_joint, const Stack &placement,
-          const Vec &gear_ratio, const Vec &coulomb_speed, const Ints &leader,
-          const Vec &multiplier, const Vec &offset, const Ints &wraps)
+          const Ints &inertia_about, const Vec &gear_ratio, const Vec &coulomb_speed,
+          const Ints &leader, const Vec &multiplier, const Vec &offset, const Ints &wraps)
         : types(ints(joint_type)), parents(ints(parent)), befores(transforms(before)),
           afters(transforms(after)), joints(ints(body_joint)), placements(transforms(placement)),
-          ratios(doubles(gear_ratio)), speeds(doubles(coulomb_speed)), leaders(ints(leader)),
-          multipliers(doubles(multiplier)), offsets(doubles(offset)), wrapping(ints(wraps)) {
+          abouts(ints(inertia_about)), ratios(doubles(gear_ratio)), speeds(doubles(coulomb_speed)),
+          leaders(ints(leader)), multipliers(doubles(multiplier)), offsets(doubles(offset)),
+          wrapping(ints(wraps)) {
         const size_t j = types.size(), b = joints.size(), followers = leaders.size();
         require(j > followers && parents.size() == j && befores.size() == j &&
                     afters.size() == j && ratios.size() == j && speeds.size() == j &&
-                    placements.size() == b && gravity.size() == 3 &&
+                    placements.size() == b && abouts.size() == b && gravity.size() == 3 &&
                     multipliers.size() == followers && offsets.size() == followers,
                 "Model: arrays of joints and bodies differ in length");
         const size_t free = j - followers;
@@ -118,6 +119,9 @@ class Model {
         for (int32_t joint : joints)
             require(joint >= -1 && joint < static_cast<int32_t>(j),
                     "Model: a body's joint must exist");
+        for (int32_t about : abouts)
+            require(about == MR_ABOUT_COM || about == MR_ABOUT_FRAME,
+                    "Model: inertia is about 0 (COM) or 1 (frame)");
         c.n = static_cast<int32_t>(free);
         c.j = static_cast<int32_t>(j);
         c.b = static_cast<int32_t>(b);
@@ -127,6 +131,7 @@ class Model {
         c.after = afters.data();
         c.body_joint = joints.data();
         c.placement = placements.data();
+        c.inertia_about = abouts.data();
         c.gear_ratio = ratios.data();
         c.coulomb_speed = speeds.data();
         c.leader = leaders.data();
@@ -158,6 +163,7 @@ class Model {
     std::vector<mr_transform> befores, afters;
     std::vector<int32_t> joints;
     std::vector<mr_transform> placements;
+    std::vector<int32_t> abouts;
     Doubles ratios, speeds;
     std::vector<int32_t> leaders;
     Doubles multipliers, offsets, folded;
@@ -569,11 +575,11 @@ NB_MODULE(_kernel, m) {
 
     nb::class_<Model>(m, "Model")
         .def(nb::init<const Ints &, const Ints &, const Stack &, const Stack &, const Vec &,
-                      const Ints &, const Stack &, const Vec &, const Vec &, const Ints &,
-                      const Vec &, const Vec &, const Ints &>(),
+                      const Ints &, const Stack &, const Ints &, const Vec &, const Vec &,
+                      const Ints &, const Vec &, const Vec &, const Ints &>(),
              "joint_type"_a, "parent"_a, "before"_a, "after"_a, "gravity"_a, "body_joint"_a,
-             "placement"_a, "gear_ratio"_a, "coulomb_speed"_a, "leader"_a, "multiplier"_a,
-             "offset"_a, "wraps"_a)
+             "placement"_a, "inertia_about"_a, "gear_ratio"_a, "coulomb_speed"_a, "leader"_a,
+             "multiplier"_a, "offset"_a, "wraps"_a)
         .def_prop_ro("n", [](const Model &model) { return model.c.n; })
         .def_prop_ro("b", [](const Model &model) { return model.c.b; });
 

@@ -68,6 +68,7 @@ def alone(robot: Robot, body: int) -> Robot:
         body_names=robot.body_names[keep],
         body_joints=robot.body_joints[keep],
         placement=robot.placement[keep],
+        inertia_about=robot.inertia_about[keep],
         **points,
     )
 

@@ -131,7 +131,11 @@ def unit_torques(robot: Robot, state: Any, number: Number) -> Any:
         a = turn(R.T, a + cross(dw, p) + cross(w, cross(w_a, p)))
         w, w_a, dw = turn(R.T, w), turn(R.T, w_a), turn(R.T, dw)
         F = mass[:, None] * (a + cross(dw, com) + cross(w, cross(w_a, com)))
-        N = cross(com, F) + inertia @ dw + cross(w_a, inertia @ w)
+        lever = cross(com, F)
+        if robot.framed[b]:  # the tensor's share of m |c|^2 taken off again
+            square = (com * com).sum(axis=-1)[:, None]
+            lever = mass[:, None] * (cross(com, a) + square * cross(w, w_a))
+        N = lever + inertia @ dw + cross(w_a, inertia @ w)
         F, N = turn(R, F), turn(R, N)
         N = N + cross(p, F)
         while i >= 0:  # lines 26 to 36: down to the base

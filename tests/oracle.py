@@ -163,7 +163,11 @@ def newton_euler(
                 spin = cross(w, times(inertia, w_a))
             else:
                 spin = cross(w_a, times(inertia, w))
-            moment = cross(c, F) + times(inertia, dw) + spin  # 29 and 30, in body axes
+            if robot.framed[b]:
+                own = moment_about_frame(m, c, R_b.T @ a_b, cross(w, w_a))
+            else:
+                own = cross(c, F)
+            moment = own + times(inertia, dw) + spin  # 29 and 30, in body axes
             F = times(R_b, F)
             f[i] = f[i] + F  # 28
             torque[i] = torque[i] + times(R_b, moment) + cross(p_b, F)
@@ -176,6 +180,24 @@ def newton_euler(
         if drives:
             u[i] = u[i] + drive_torque(robot, delta, i, dq[i], ddq[i])
     return stack(u)
+
+
+def moment_about_frame(m: Any, c: Any, a: Any, bent: Any) -> Any:
+    """m (c x a + |c|^2 bent): in place of c x F where the tensor is about the body's frame.
+
+    Of an interval: c = middle + d, linear in d but for |d|^2, which lies in [0, |radius|^2].
+    """
+    if not isinstance(c, Interval):
+        return m * (cross(c, a) + dot(c, c) * bent)
+    middle, radius = (c.lo + c.hi) / 2, (c.hi - c.lo) / 2
+    d = Interval(-radius, radius)
+    fixed = cross(middle, a) + dot(middle, middle) * bent
+    slopes = 2 * np.outer(bent, middle) + np.array(
+        [[0 * a[0], a[2], -a[1]], [-a[2], 0 * a[0], a[0]], [a[1], -a[0], 0 * a[0]]]
+    )
+    return m * (
+        fixed + times(slopes, d) + bent * Interval(0 * dot(radius, radius), dot(radius, radius))
+    )
 
 
 def drive_torque(robot: Robot, delta: Any, i: int, dq: Any, ddq: Any) -> Any:

@@ -2,6 +2,7 @@
 
 Revolute and prismatic joints mixed, serial or branched, several bodies a link with any placement,
 bodies fixed to the base, physical inertias, and bounds that are exact, narrow, wide, or a mix.
+Every third tensor is about the frame of its body, not the COM.
 """
 
 from __future__ import annotations
@@ -45,6 +46,12 @@ def physical_inertia(rng: np.random.Generator, mass: float) -> Any:
     return np.trace(second) * np.eye(3) - second
 
 
+def steiner(mass: Any, com: Any) -> Any:
+    """m (c'c 1 - c c'), (..., 3, 3)."""
+    square = (com * com).sum(axis=-1)[..., None, None]
+    return mass[..., None, None] * (square * np.eye(3) - com[..., :, None] * com[..., None, :])
+
+
 def spread(rng: np.random.Generator, nominal: Any, size: Any, width: Width) -> tuple[Any, Any]:
     """Bounds around `nominal`, not centred on it; `size` is the largest distance for "wide"."""
     scale = {"exact": 0.0, "narrow": 1e-4, "wide": 1.0, "mixed": 1.0}[width]
@@ -74,7 +81,8 @@ def random_robot(
 
     types: one letter a joint, "r" or "p"; None draws them. simple: a standard D-H chain with one
     body a link in the link frame, the paper's case; otherwise B_i, placements and one to three
-    bodies a link are random and one body is fixed to the base.
+    bodies a link are random, one body is fixed to the base, and every third tensor is about the
+    body's frame.
     """
     letters = types or "".join(rng.choice(["r", "p"], size=n, p=[0.7, 0.3]))
     n = len(letters)
@@ -97,10 +105,12 @@ def random_robot(
     b = len(body_joints)
     mass = rng.uniform(0.3, 4.0, b)
     inertia = np.array([physical_inertia(rng, m) for m in mass])
+    com = rng.uniform(-0.1, 0.1, (b, 3))
+    framed = np.zeros(b, dtype=bool) if simple else np.arange(b) % 3 == 1
     nominal = Parameters(
         mass=mass,
-        com=rng.uniform(-0.1, 0.1, (b, 3)),
-        inertia=symmetric(inertia),
+        com=com,
+        inertia=symmetric(np.where(framed[:, None, None], inertia + steiner(mass, com), inertia)),
         rotor_inertia=rng.uniform(1e-5, 6e-5, n) * drives,
         viscous=rng.uniform(1.0, 20.0, n) * drives,
         coulomb=rng.uniform(1.0, 8.0, n) * drives,
@@ -142,6 +152,7 @@ def random_robot(
         upper=Parameters(**{k: side[1] for k, side in sides.items()}),
         disturbance=Bounded(nominal=np.zeros(n), lo=-d[0], hi=d[1]),
         controller=ControllerSettings(K_r=(10.0,) * n),
+        inertia_about=tuple("frame" if yes else "com" for yes in framed),
     )
 
 
@@ -201,13 +212,29 @@ def point_robot(types: str, *, after: Any, mass: Any, com: Any, inertia: Any) ->
     )
 
 
+def about_com(robot: Robot) -> Robot:
+    """The robot with its nominal parameters exact and every tensor moved to the COM."""
+    p = robot.nominal
+    moved = np.where(robot.framed[:, None, None], p.inertia - steiner(p.mass, p.com), p.inertia)
+    point = replace(p, inertia=moved)
+    return replace(robot, nominal=point, lower=point, upper=point, inertia_about=())
+
+
+def about_frame(robot: Robot) -> Robot:
+    """The robot with its nominal parameters exact and every tensor about the body's frame."""
+    p = about_com(robot).nominal
+    point = replace(p, inertia=p.inertia + steiner(p.mass, p.com))
+    abouts = ("frame",) * robot.b
+    return replace(robot, nominal=point, lower=point, upper=point, inertia_about=abouts)
+
+
 def merge_bodies(robot: Robot) -> Robot:
     """The robot with the nominal bodies of each link made one in the link frame, exactly.
 
     Every link must carry a body. The factorisation C of Algorithm 1 depends on this: see
     test_bodies_apart_change_the_factorisation_by_a_known_gyroscopic_moment.
     """
-    p, n = robot.nominal, robot.n
+    p, n = about_com(robot).nominal, robot.n
     mass, com, inertia = np.zeros(n), np.zeros((n, 3)), np.zeros((n, 3, 3))
     for i in range(n):
         own = np.flatnonzero(robot.body_joints == i)
@@ -226,4 +253,5 @@ def merge_bodies(robot: Robot) -> Robot:
         nominal=point,
         lower=point,
         upper=point,
+        inertia_about=(),
     )

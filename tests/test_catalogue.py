@@ -52,8 +52,13 @@ def joints(name: str) -> list[JointItem]:
 
 
 def tensor(body: BodyItem) -> np.ndarray[Any, Any]:
+    """The nominal tensor about the COM."""
     xx, xy, xz, yy, yz, zz = (entry.nominal for entry in body.inertia)
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    given = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if body.inertia_about == "com":
+        return given
+    c = np.array([q.nominal for q in body.com])
+    return given - body.mass.nominal * (c @ c * np.eye(3) - np.outer(c, c))
 
 
 def quantities(item: object) -> Iterator[Quantity]:

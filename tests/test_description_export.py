@@ -18,7 +18,7 @@ from modrobust.describe.orientation import quaternion, roll_pitch_yaw
 from modrobust.describe.urdf import urdf_text
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.robot import Bounded, Parameters, Robot
-from random_robots import random_robot, random_state, tied
+from random_robots import random_robot, random_state, steiner, tied
 from ready_robots import available
 
 TOLERANCE = 1e-12  # of the largest entry
@@ -236,6 +236,7 @@ def test_links_without_an_extended_body_get_a_stand_in_that_mujoco_takes() -> No
         lower=point,
         upper=point,
         disturbance=Bounded(zeros, zeros, zeros),
+        inertia_about=(),
     )
     exported = mjcf_text(robot)
     q = np.array([0.3, -0.4, 0.5])
@@ -249,7 +250,8 @@ def test_links_without_an_extended_body_get_a_stand_in_that_mujoco_takes() -> No
 def test_a_tensor_that_no_body_has_is_moved_to_one_and_said() -> None:
     robot = random_robot(np.random.default_rng(0), types="r", drives=False)
     inertia = robot.nominal.inertia.copy()
-    inertia[1] = np.diag([1.0, 1.0, 2.5])
+    inertia[1] = np.diag([1.0, 1.0, 2.5]) + steiner(robot.nominal.mass, robot.nominal.com)[1]
+    assert robot.inertia_about[1] == "frame"
     exported = mjcf_text(robot, replace(robot.nominal, inertia=inertia))
     assert any(line.startswith("the tensor of body1, which no rigid") for line in exported.lost)
     MjcfTwin(exported.text, robot)

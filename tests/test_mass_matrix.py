@@ -11,7 +11,7 @@ import pytest
 import modrobust as mr
 from modrobust.robot import Parameters, Robot
 from oracle import link_frames, mass_matrix
-from random_robots import random_robot, random_state
+from random_robots import about_com, random_robot, random_state
 
 SHAPES: list[dict[str, Any]] = [
     {"simple": True, "n": 6},
@@ -63,7 +63,7 @@ def test_half_of_the_quadratic_form_is_the_kinetic_energy(shape: dict[str, Any])
         if i < 0:
             continue
         T = frames[i] @ robot.placement[b]
-        p = robot.nominal
+        p = about_com(robot).nominal
         velocity = (T[:3, :3] @ p.com[b] + T[:3, 3]).imag / h
         W = T.real[:3, :3].T @ (T[:3, :3].imag / h)  # [omega]x in body axes
         omega = np.array([W[2, 1], W[0, 2], W[1, 0]])
@@ -91,6 +91,7 @@ def test_gravity_does_not_enter_the_mass_matrix() -> None:
 
 def split_in_two(robot: Robot, rng: np.random.Generator) -> Robot:
     """Each body as two of 30 and 70 % of its mass, apart but with the same total tensor."""
+    robot = about_com(robot)
     p = robot.nominal
     apart = rng.uniform(-0.03, 0.03, p.com.shape)
     com = np.concatenate([p.com + 0.7 * apart, p.com - 0.3 * apart])
@@ -114,6 +115,7 @@ def split_in_two(robot: Robot, rng: np.random.Generator) -> Robot:
         nominal=point,
         lower=point,
         upper=point,
+        inertia_about=(),
     )
 
 

@@ -72,6 +72,7 @@ def test_the_job_holds_the_very_doubles_in_the_order_of_the_program() -> None:
         f.offset,
         robot.body_joints,
         flat(robot.placement),
+        robot.framed,
         robot.base[:3, :3].T @ robot.gravity,
         depth_first(robot),
         [1],

@@ -12,7 +12,7 @@ import pytest
 
 import modrobust as mr
 from modrobust.robot import Robot
-from random_robots import random_robot, random_state
+from random_robots import about_com, random_robot, random_state
 
 pin = pytest.importorskip("pinocchio")
 
@@ -49,7 +49,7 @@ class Twin:
             parent = int(robot.parents[i])
             T = robot.before[i] if parent < 0 else robot.after[parent] @ robot.before[i]
             ids[i] = self.model.addJoint(ids[parent], joint, se3(T), f"joint{i}")
-        p = robot.nominal
+        p = about_com(robot).nominal
         for b, i in enumerate(robot.body_joints):
             if i >= 0:
                 inertia = pin.Inertia(float(p.mass[b]), p.com[b], p.inertia[b])

@@ -18,6 +18,7 @@ from modrobust.sampling import sample_point
 from modrobust.synthetic import synthetic_chain
 
 FIELDS = ("mass", "com", "inertia", "rotor_inertia", "viscous", "coulomb")
+AT_COM = np.array([False])  # what the tensor of `one_body` is about
 ROD = np.diag([0.1, 0.1, 0.0])  # a thin rod along z: on the boundary of what is physical
 
 
@@ -107,7 +108,9 @@ def test_to_dict_has_the_pinned_keys_and_null_for_limits_that_are_not_given():
     assert joint["drive"]["rotor_inertia"] == {"nominal": 1e-5, "lo": 9e-6, "hi": 1e-5 * 1.1}
     assert joint["friction"]["coulomb_speed"] == 1e-3
     assert [j["parent"] for j in data["joints"]] == [-1, 0, 1]
-    assert list(data["bodies"][0]) == ["name", "joint", "placement", "mass", "com", "inertia"]
+    assert list(data["bodies"][0]) == [
+        *("name", "joint", "placement", "mass", "com", "inertia_about", "inertia"),
+    ]
     assert data["disturbance"][2] == {"nominal": 0.0, "lo": -1.0, "hi": 2.0}
     assert list(data["dh"]["rows"][0]) == ["a", "alpha", "d", "theta", "near_parallel"]
 
@@ -150,14 +153,15 @@ def test_most_of_a_wide_box_being_unphysical_still_gives_physical_samples():
     nominal, lower, upper = one_body(np.diag([0.1, 0.1, 0.19]), np.eye(3) * 0.01, np.eye(3) * 0.5)
     rng = np.random.default_rng(0)
     for _ in range(100):
-        tensor = sample_point(nominal, lower, upper, rng).inertia
+        tensor = sample_point(nominal, lower, upper, AT_COM, rng).inertia
         assert np.all(least_second_moment(tensor) >= -1e-15)
 
 
 def test_a_box_that_touches_the_physical_set_in_one_point_gives_that_point():
     # The nominal rod with zz only downwards: every other tensor of the box is unphysical.
     nominal, lower, upper = one_body(ROD, np.diag([0.1, 0.1, -0.05]), ROD)
-    tensor = sample_point(nominal, lower, upper, np.random.default_rng(0)).inertia[0]
+    rng = np.random.default_rng(0)
+    tensor = sample_point(nominal, lower, upper, AT_COM, rng).inertia[0]
     np.testing.assert_allclose(tensor, ROD, rtol=0, atol=1e-15)
 
 

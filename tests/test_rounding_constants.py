@@ -80,6 +80,41 @@ def derived() -> dict[str, int]:
     }
 
 
+def derived_about_frame() -> dict[str, int]:
+    """Of a tensor about the body's frame: what is counted once in (16f) and (18f)."""
+    e = counted()
+    add, scale, dot, rotate, cross = (e[n] for n in ("add", "scale", "dot", "rotate", "cross"))
+    placement = e["constant rotation"] + rotate
+    moved = scale + add + scale + add  # a square, its sum, the mass, off the tensor
+    tensor = placement + 2 * dot + cross + 4 * add + placement + moved
+    # v and e of (18), told apart again from the whole
+    rest = sum(e[name] for name in ("value", "monotonic", "face", "off centre", "mass"))
+    share = scale + 1
+    motion = derived()["MOTION_ONCE"]
+    v = derived()["CHANGE_ONCE"] - motion - dot - rest - share
+    origin = motion - add
+    h = max(v + placement + 12 + rotate, origin + cross) + add
+    f0 = max(v + origin + dot, h + 2 * add + dot) + add
+    return {"moved": moved, "tensor": tensor, "v": v, "origin": origin, "h": h, "f0": f0}
+
+
+def test_a_tensor_about_the_frame_costs_no_more_than_one_about_the_com() -> None:
+    once, e = derived_about_frame(), counted()
+    body = derived()["MOTION_ONCE"] + e["scale"] + e["cross"] + 2 * e["add"] + 8 + e["add"]
+    assert once["tensor"] <= body
+    assert once["f0"] <= once["v"] + derived()["MOTION_ONCE"] + e["dot"]
+    parabola = 3 * (4 + 4 + 2) + 4
+    assert parabola < sum(e[name] for name in ("value", "monotonic", "face", "off centre"))
+    for text in (
+        f"most {once['moved']} of",
+        f"= 39D + {once['tensor']}$, far below $39D + {body}$",
+        f"$183D + {once['v']} + {once['origin']} + {e['dot']}$",
+        f"$183D + {once['h']}$",
+        f"$f_0$ has $183D + {once['f0']}$",
+    ):
+        assert text in PAGE, text
+
+
 @pytest.mark.parametrize("name", derived())
 def test_the_kernels_constant_is_what_the_proof_adds_up_to(name: str) -> None:
     assert stated()[name] == derived()[name]

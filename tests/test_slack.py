@@ -54,6 +54,32 @@ def test_slack_is_what_26_says(unknown: str, lever: float, ddq_a: float) -> None
     assert expected <= got <= expected * (1 + SECOND_ORDER)
 
 
+@pytest.mark.parametrize("unknown", ["nothing", "mass", "com", "inertia"])
+def test_slack_of_a_tensor_about_the_frame(unknown: str) -> None:
+    """The tensor's size is |J| + 3/2 m c^2, because it is moved to the COM in doubles."""
+    spread = {"mass": 0.4, "com": np.array([0.2, 0, 0]), "inertia": 0.1 * np.eye(3)}
+    dm = 0.4 * (unknown == "mass")
+    r = 0.2 * (unknown == "com")
+    dJ = 0.1 * np.sqrt(3) * (unknown == "inertia")
+    lever, K = 0.3, 3.0
+    robot = replace(swivel(lever), inertia_about=("frame",))
+    point = replace(robot.nominal, inertia=0.7 * np.eye(3)[None])
+    lower = upper = point
+    if unknown != "nothing":
+        lower, upper = (
+            replace(point, **{unknown: getattr(point, unknown) + sign * spread[unknown]})
+            for sign in (-1, 1)
+        )
+    robot = replace(robot, nominal=point, lower=lower, upper=upper)
+    x = lever + COM
+    A = np.hypot(G, K * lever) + G
+    N = MASS * (A + K * x) * x + K * (0.7 * np.sqrt(3) + 1.5 * MASS * COM**2)
+    change = dm * (A + K * x) * x + MASS * (A + K * r + 2 * K * x) * r + K * dJ
+    expected = U * ((66 + 90 + 1 + 2) * N + (183 + 500 + 1 + 2) * change)
+    got = slack(robot, ZERO, ZERO, ZERO, np.array([K]), drives=False)[0]
+    assert expected <= got <= expected * (1 + SECOND_ORDER)
+
+
 def test_the_drives_slack() -> None:
     """Else the drive's 32 u could be left out: the slack of heavy bodies hides it elsewhere."""
     robot = point_robot(

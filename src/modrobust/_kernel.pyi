@@ -34,6 +34,7 @@ class Model:
         gravity: _Array,
         body_joint: _Ints,
         placement: _Array,
+        inertia_about: _Ints,
         gear_ratio: _Array,
         coulomb_speed: _Array,
         leader: _Ints,

@@ -187,6 +187,7 @@ class _Steps:
                     body.item.mass,
                     body.item.com,
                     body.item.inertia,
+                    body.item.inertia_about,
                 )
                 for body in self.bodies
             ),

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from modrobust.formats import Assembly, JointItem, Quantity
 from modrobust.names import did_you_mean
 from modrobust.parts import Parts, PlacedBody, PlacedJoint
-from modrobust.physical import is_physical
+from modrobust.physical import ABOUT_FRAME
 from modrobust.regularity import refuse_singular
 from modrobust.robot import Bounded, Followers, Parameters, Robot
+from modrobust.sampling import physical_bodies
 from modrobust.scenarios import scenario_parameters
 from modrobust.settings import controller_settings, per_joint, trajectory_settings
 
@@ -40,6 +41,8 @@ def build(description: Assembly, parts: Parts) -> Robot:
     types = tuple(item.type for item in items)
     disturbance = per_joint(description.disturbance, names, types) or [_ZERO] * len(names)
     body_names = tuple(body.name for body in bodies)
+    abouts = tuple(body.inertia_about for body in bodies)
+    framed = np.array([about == ABOUT_FRAME for about in abouts], dtype=np.bool_)
     scenarios = scenario_parameters(
         description.scenarios, body_names, joints, nominal, lower, upper
     )
@@ -75,7 +78,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
         not_modelled=(*_not_modelled(description, joints), *parts.not_modelled),
         notes=(
             *_payload_notes(description),
-            *_scenario_notes(scenarios, body_names, nominal),
+            *_scenario_notes(scenarios, body_names, nominal, framed),
             *(f"source: {text}" for text in description.source),
             *description.notes,
             *parts.notes,
@@ -87,6 +90,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
         initial_dq=_vector(per_joint(description.initial_dq, names, types)),
         modules=parts.nodes,
         followers=_followers(joints),
+        inertia_about=abouts,
     )
     refuse_singular(robot, [joint.item.where for joint in joints])
     return robot
@@ -123,7 +127,17 @@ def _payload(description: Assembly, parts: Parts) -> list[PlacedBody]:
         raise payload.where.error(
             "payload", 'a body is named "payload" already; names differ; rename that one'
         )
-    return [PlacedBody("payload", joint, frame, payload.mass, payload.com, payload.inertia)]
+    return [
+        PlacedBody(
+            "payload",
+            joint,
+            frame,
+            payload.mass,
+            payload.com,
+            payload.inertia,
+            payload.inertia_about,
+        )
+    ]
 
 
 def _followers(joints: Sequence[PlacedJoint]) -> Followers:
@@ -148,14 +162,15 @@ def _payload_notes(description: Assembly) -> tuple[str, ...]:
 
 
 def _scenario_notes(
-    scenarios: Mapping[str, Parameters], body_names: Sequence[str], nominal: Parameters
+    scenarios: Mapping[str, Parameters],
+    body_names: Sequence[str],
+    nominal: Parameters,
+    framed: NDArray[np.bool_],
 ) -> list[str]:
     return [
         f"scenario {name}: {body} has a tensor that no rigid body has"
         for name, point in scenarios.items()
-        for body, physical in zip(
-            body_names, is_physical(point.inertia, nominal.inertia), strict=True
-        )
+        for body, physical in zip(body_names, physical_bodies(nominal, point, framed), strict=True)
         if not physical
     ]
 

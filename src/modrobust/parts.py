@@ -40,6 +40,7 @@ class PlacedBody:
     mass: Quantity
     com: tuple[Quantity, Quantity, Quantity]
     inertia: tuple[Quantity, Quantity, Quantity, Quantity, Quantity, Quantity]
+    inertia_about: str  # "com" or "frame"
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,8 @@ inequality. The set is convex: between a physical tensor and any other there is 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,9 +20,28 @@ from modrobust.symmetric import eigenvalues
 
 Array = NDArray[np.float64]
 
+ABOUT_COM, ABOUT_FRAME = "com", "frame"  # what a body's tensors are about
+
 _ROUNDING = 1e-15  # of the trace: what the eigenvalues of an exact boundary case are off by
 _ROUNDS = 10  # of cutting the way that is left into 64 parts: 60 binary digits
 _BETWEEN = np.arange(1.0, 64.0) / 64.0
+
+
+def steiner(mass: Array, com: Array) -> Array:
+    """m (c'c 1 - c c') (..., 3, 3) [kg m^2] for masses (...) and COMs (..., 3)."""
+    outer = com[..., :, None] * com[..., None, :]
+    square = com[..., 0] ** 2 + com[..., 1] ** 2 + com[..., 2] ** 2
+    moved: Array = mass[..., None, None] * (square[..., None, None] * np.eye(3) - outer)
+    return moved
+
+
+def inertia_about_com(mass: Array, com: Array, inertia: Array, framed: NDArray[np.bool_]) -> Array:
+    """Tensors about the COM (..., 3, 3); those of bodies that are `framed` (...) are moved there.
+
+    docs/equations.md, (16f). The others come back bit by bit.
+    """
+    moved: Array = np.where(framed[..., None, None], inertia - steiner(mass, com), inertia)
+    return moved
 
 
 def least_second_moment(inertia: Array) -> Array:
@@ -31,32 +52,60 @@ def least_second_moment(inertia: Array) -> Array:
     return least
 
 
-def is_physical(inertia: Array, nominal: Array) -> NDArray[np.bool_]:
+def is_physical(inertia: Array, nominal: Array, moved: Array | float = 0.0) -> NDArray[np.bool_]:
     """Whether tensors ``(..., 3, 3)`` are physical, or at least no less so than the nominal one.
 
     A thin rod lies on the boundary of the physical set and the rounding of its figures may put it a
     little outside; its own box must still hold points. Hence the comparison with `nominal`, of a
-    shape that broadcasts against `inertia`.
+    shape that broadcasts against `inertia`. `moved` is the trace of what was taken off a tensor on
+    its way to the COM, whose rounding it still has.
     """
     trace = _trace(inertia)
-    allowed = np.minimum(0.0, least_second_moment(nominal)) - _ROUNDING * np.abs(trace)
+    allowed = np.minimum(0.0, least_second_moment(nominal)) - _ROUNDING * (np.abs(trace) + moved)
     result: NDArray[np.bool_] = least_second_moment(inertia) >= allowed
+    return result
+
+
+def are_physical(
+    mass: Array, com: Array, inertia: Array, framed: NDArray[np.bool_], nominal: Array
+) -> NDArray[np.bool_]:
+    """`is_physical` for bodies (...) as they are given; `nominal` is about the COM.
+
+    Args:
+        mass: Masses (...) [kg].
+        com: Centres of mass (..., 3) [m].
+        inertia: Tensors (..., 3, 3) [kg m^2], about the frame where `framed` (...).
+        framed: What the tensors are about.
+        nominal: Nominal tensors about the COM, of a shape that broadcasts against `inertia`.
+    """
+    at_com = inertia_about_com(mass, com, inertia, framed)
+    moved = np.where(framed, _trace(steiner(mass, com)), 0.0)
+    return is_physical(at_com, nominal, moved)
+
+
+def last_inside(
+    nominal: Array, point: Array, inside: Callable[[Array], NDArray[np.bool_]]
+) -> Array:
+    """The last point found, on the straight way from nominal to `point`, that is inside.
+
+    The nominal one counts as inside. `inside` takes a stack ``(k, ...)`` of points, gives ``(k,)``.
+    """
+    lo, hi = 0.0, 1.0
+    for _ in range(_ROUNDS):
+        at = lo + (hi - lo) * _BETWEEN
+        good = inside(nominal + at.reshape(-1, *(1,) * point.ndim) * (point - nominal))
+        first = len(at) if good.all() else int(np.argmin(good))  # of those outside
+        ends = [lo, *at.tolist(), hi]
+        lo, hi = ends[first], ends[first + 1]
+    pulled = nominal + lo * (point - nominal)
+    # Clipped, since rounding could carry an entry beyond the point it was pulled from.
+    result: Array = np.clip(pulled, np.minimum(nominal, point), np.maximum(nominal, point))
     return result
 
 
 def pull_to_physical(nominal: Array, inertia: Array) -> Array:
     """The last physical tensor ``(3, 3)`` on the straight way from nominal to `inertia`."""
-    lo, hi = 0.0, 1.0
-    for _ in range(_ROUNDS):
-        at = lo + (hi - lo) * _BETWEEN
-        inside = is_physical(nominal + at[:, None, None] * (inertia - nominal), nominal)
-        first = len(at) if inside.all() else int(np.argmin(inside))  # of those outside
-        ends = [lo, *at.tolist(), hi]
-        lo, hi = ends[first], ends[first + 1]
-    pulled = nominal + lo * (inertia - nominal)
-    # Clipped, since rounding could carry an entry beyond the tensor it was pulled from.
-    result: Array = np.clip(pulled, np.minimum(nominal, inertia), np.maximum(nominal, inertia))
-    return result
+    return last_inside(nominal, inertia, lambda tensors: is_physical(tensors, nominal))
 
 
 def _trace(tensors: Array) -> Array:

@@ -21,7 +21,15 @@ from modrobust.dh import DHTable, dh_table
 from modrobust.errors import ValueRangeError
 from modrobust.kernel import own_environment
 from modrobust.parameters import Bounded, Parameters, freeze, remade
-from modrobust.robot_checks import check_box, check_endless, check_lengths, check_rigid, check_tree
+from modrobust.physical import ABOUT_COM, ABOUT_FRAME
+from modrobust.robot_checks import (
+    check_abouts,
+    check_box,
+    check_endless,
+    check_lengths,
+    check_rigid,
+    check_tree,
+)
 from modrobust.robot_parts import ControllerSettings, Followers, ModuleNode, TrajectorySettings
 from modrobust.sampling import corner_point, physical_pull, sample_point
 
@@ -79,6 +87,7 @@ class Robot:
     # (n,) [rad/s^2] or [m/s^2], infinite where not given; left out by to_dict
     acceleration_limits: Array = field(default_factory=lambda: np.zeros(0))
     scenario_notes: Mapping[str, str] = field(default_factory=dict)
+    inertia_about: tuple[str, ...] = ()  # (b) "com" or "frame"; none given = the COM for all
 
     __reduce__ = remade
 
@@ -89,6 +98,8 @@ class Robot:
     def __post_init__(self) -> None:
         if not self.acceleration_limits.size:
             object.__setattr__(self, "acceleration_limits", np.full(self.n, np.inf))
+        if not self.inertia_about:
+            object.__setattr__(self, "inertia_about", (ABOUT_COM,) * self.b)
         freeze(self)
         for name in ("scenarios", "scenario_notes"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
@@ -122,6 +133,7 @@ class Robot:
             },
             owner,
         )
+        check_abouts(self.inertia_about, b, owner)
         check_tree(self.joint_types, self.parents, self.body_joints, f.leaders, n)
         check_endless(self.joint_names, self.joint_types, self.position_limits)
         for name in ("base", "before", "after", "placement"):
@@ -145,6 +157,13 @@ class Robot:
     def b(self) -> int:
         """Number of bodies, base-fixed ones and the payload included."""
         return len(self.body_names)
+
+    @cached_property
+    def framed(self) -> NDArray[np.bool_]:
+        """Whether the tensor of each body is about its frame's origin, not its COM, (b,)."""
+        flags = np.array([about == ABOUT_FRAME for about in self.inertia_about], dtype=np.bool_)
+        flags.setflags(write=False)
+        return flags
 
     @property
     def all_joint_names(self) -> tuple[str, ...]:
@@ -212,6 +231,7 @@ class Robot:
             x + y + z,
             self.body_joints,
             self.placement,
+            self.framed.astype(np.int32),
             self.gear_ratio,
             self.coulomb_speed,
             self.followers.leaders,
@@ -232,14 +252,15 @@ class Robot:
     def sample_parameters(self, rng: np.random.Generator | int) -> Parameters:
         """A physical point of the box, uniform in each entry; tensors by rejection per body.
 
-        Every tensor is positive definite and keeps the triangle inequality (as far as the nominal
-        one does). Where 1,365 draws in a row are not physical, the last one is pulled straight
-        towards nominal until it is. Exact entries stay exact.
+        Every tensor is, about the COM, positive definite and keeps the triangle inequality (as far
+        as the nominal one does). Where 1,365 draws in a row are not physical, the last one is
+        pulled straight towards nominal until it is. With a tensor about the body's frame, mass and
+        COM are drawn anew and pulled along with it. Exact entries stay exact.
 
         Args:
             rng: A numpy Generator, or an int that seeds one.
         """
-        return sample_point(self.nominal, self.lower, self.upper, _generator(rng))
+        return sample_point(self.nominal, self.lower, self.upper, self.framed, _generator(rng))
 
     @own_environment()
     def corner_parameters(self, rng: np.random.Generator | int) -> Parameters:
@@ -256,7 +277,8 @@ class Robot:
     ) -> tuple[Parameters, tuple[str, ...]]:
         """A vertex of the box that a real robot could have, as nearly as the box allows.
 
-        Tensors that no body can have are pulled straight towards nominal until one can.
+        Tensors that no body can have are pulled straight towards nominal until one can; mass and
+        COM with them where the tensor is about the body's frame.
 
         Args:
             which: "lower", "upper", or "corner" for the one that `corner_parameters` draws.
@@ -272,7 +294,7 @@ class Robot:
             raise ValueRangeError(f'which: "{which}" is none of lower, upper, corner')
         ends = {"lower": self.lower, "upper": self.upper}
         vertex = ends[which] if which in ends else self.corner_parameters(rng)
-        point, pulled = physical_pull(self.nominal, vertex)
+        point, pulled = physical_pull(self.nominal, vertex, self.framed)
         return point, tuple(self.body_names[k] for k in pulled)
 
     def to_dict(self) -> dict[str, Any]:
@@ -288,6 +310,7 @@ class Robot:
                 "placement": self.placement[k].tolist(),
                 "mass": self._bounded("mass", k),
                 "com": self._bounded("com", k),
+                "inertia_about": self.inertia_about[k],
                 "inertia": self._bounded("inertia", k),
             }
             for k, name in enumerate(self.body_names)

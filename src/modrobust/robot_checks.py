@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.physical import ABOUT_COM, ABOUT_FRAME
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -50,6 +51,17 @@ def check_endless(names: Sequence[str], joint_types: Sequence[str], limits: Arra
             raise ValueRangeError(
                 f'position_limits: joint "{name}" is continuous and has [{lo:g}, {hi:g}]; a '
                 "continuous joint has none; make it revolute, or leave them out"
+            )
+
+
+def check_abouts(abouts: Sequence[str], b: int, owner: str) -> None:
+    """Refuses reference points of tensors that are not one for each body, or unknown."""
+    if len(abouts) != b:
+        raise ShapeError(f"inertia_about: expected {b} entries, got {len(abouts)}; {owner}")
+    for k, about in enumerate(abouts):
+        if about not in (ABOUT_COM, ABOUT_FRAME):
+            raise ValueRangeError(
+                f'inertia_about[{k}] is "{about}"; known: {ABOUT_COM}, {ABOUT_FRAME}'
             )
 
 

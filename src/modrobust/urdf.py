@@ -179,7 +179,7 @@ def _bodies(
         if is_frame(link, overlay):
             continue
         try:
-            masses, inertia, own_frame, physical = read_body(link, overlay, tolerances)
+            masses, inertia, about, own_frame, physical = read_body(link, overlay, tolerances)
         except DescriptionError as problem:
             if joint >= 0 or overlay is not None:
                 faults.add_of_link(link, problem)
@@ -210,6 +210,7 @@ def _bodies(
                 masses.bounded_mass,
                 masses.bounded_com,
                 inertia,
+                about,
             )
         )
     return bodies

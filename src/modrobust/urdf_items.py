@@ -49,8 +49,9 @@ def is_point(link: Link, overlay: LinkOverlay | None) -> bool:
 
 def read_body(
     link: Link, overlay: LinkOverlay | None, tolerances: Tolerances
-) -> tuple[Masses, Six, bool, bool]:
-    """Mass and COM, tensor, whether its frame is the inertial frame, whether its box is physical.
+) -> tuple[Masses, Six, str, bool, bool]:
+    """Mass and COM, tensor, what it is about, whether its frame is the inertial frame, whether its
+    box is physical.
 
     The body frame is the link frame where the inertial is not turned against it or the overlay
     gives both COM and tensor, and the inertial frame (with its COM at 0) otherwise.
@@ -85,10 +86,10 @@ def read_body(
     prefix = f"{owner}, "
     masses = read_masses(mass, com, prefix, tolerances)
     if is_point(link, overlay):
-        return masses, (_ZERO,) * 6, in_inertial_frame, True
+        return masses, (_ZERO,) * 6, "com", in_inertial_frame, True
     model = _model(InertiaModel, tensor, owner)
     inertia, physical = read_inertia(model, masses, prefix, tolerances)
-    return masses, inertia, in_inertial_frame, physical
+    return masses, inertia, model.about or "com", in_inertial_frame, physical
 
 
 def _need_all(link: Link, overlay: LinkOverlay | None, owner: str, no_inertial: bool) -> None:

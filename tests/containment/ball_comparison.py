@@ -89,7 +89,7 @@ def check_state(
 
     def torques(precision: int) -> tuple[Any, Torques]:
         ctx.prec = precision
-        model = exact_robot(written) if written else from_doubles(robot)
+        model = exact_robot(written, robot.framed.tolist()) if written else from_doubles(robot)
         rows = coefficients(model, _state(robot, query, as_given))
         draw = np.random.default_rng(seed)
         points, signs = parameter_points(draw, robot, rows, MOST_EXTREMES)

@@ -44,6 +44,7 @@ class BallRobot:
     gravity: Vector
     body_joints: Sequence[int]  # (b)
     placement: Sequence[Pose]  # (b)
+    framed: Sequence[bool]  # (b) tensor about the body frame's origin
     gear_ratio: Sequence[arb]  # (j)
     coulomb_speed: Sequence[arb]  # (j)
     leaders: Sequence[int]  # (j - n)
@@ -99,6 +100,7 @@ def from_doubles(robot: Robot) -> BallRobot:
         gravity=back(base.R, (arb(float(g[0])), arb(float(g[1])), arb(float(g[2])))),
         body_joints=robot.body_joints.tolist(),
         placement=[ball_pose(T) for T in robot.placement],
+        framed=robot.framed.tolist(),
         gear_ratio=[arb(x) for x in robot.gear_ratio.tolist()],
         coulomb_speed=[arb(x) for x in robot.coulomb_speed.tolist()],
         leaders=f.leaders.tolist(),
@@ -128,7 +130,9 @@ def coefficients(robot: BallRobot, state: State) -> Coefficients:
             row = carried.get(robot.body_joints[b])
             if row is not None:
                 at = MONOMIALS * column
-                bodies[i][at : at + MONOMIALS] = _body_row(robot.placement[b], motions[b], row)
+                bodies[i][at : at + MONOMIALS] = _body_row(
+                    robot.placement[b], motions[b], row, robot.framed[b]
+                )
 
     drives = [[zero] * (3 * j) for _ in range(j)]
     for i in range(j):  # (20), (21): viscous, coulomb times a sign, rotor inertia
@@ -228,12 +232,18 @@ def _transposed(robot: BallRobot, links: list[_Link], i: int) -> dict[int, tuple
 
 
 def _body_row(
-    T: Pose, motion: tuple[Vector, Vector, Vector, Vector], row: tuple[Vector, Vector]
+    T: Pose,
+    motion: tuple[Vector, Vector, Vector, Vector],
+    row: tuple[Vector, Vector],
+    framed: bool,
 ) -> list[arb]:
     """One body's 16 coefficients in one torque.
 
     F = m (a + L c), lines 23 and 27; moment about the body frame's origin c x F + I dw
-    + wa x (I w), lines 29 and 30; both turned into the link's axes, F with the lever of T.
+    + wa x (I w), lines 29 and 30; both turned into the link's axes, F with the lever of T. Of a
+    tensor J about that origin I = J - m (c'c 1 - c c') is what the lines ask for: for
+    S = c'c 1 - c c', S dw = c x (dw x c) and wa x (S w) = c'c (wa x w) - wa x c (c . w), so that of
+    c x L c - S dw - wa x (S w) only c'c (w x wa) is left.
     """
     w, wa, dw, a = motion
     on_f, on_n = row
@@ -252,8 +262,12 @@ def _body_row(
     twice = [cross(column, n) for column in columns]
     spin = cross(n, wa)  # n . (wa x I w) = (n x wa) . I w
     result = [dot(f, a), *once]
+    bent = dot(n, cross(w, wa))
     for i, k in PAIRS:
-        result.append(twice[i][i] if i == k else twice[k][i] + twice[i][k])
+        if framed:
+            result.append(bent if i == k else arb(0))
+        else:
+            result.append(twice[i][i] if i == k else twice[k][i] + twice[i][k])
     for i, k in PAIRS:
         entry = n[i] * dw[k] + spin[i] * w[k]
         result.append(entry if i == k else entry + n[k] * dw[i] + spin[k] * w[i])

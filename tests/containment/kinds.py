@@ -19,14 +19,17 @@ LEAST = {
     "body on the base": 0.8,
     "uncertain friction": 0.8,
     "body known to per cents": 0.4,
+    "tensor about the frame": 0.4,
     "lower end of a wide hull touched, drives": 0.4,
     "nominal off the middle": 0.4,
     "read as given": 0.4,
     "several bodies a link": 0.4,
     "uncertain rotor": 0.4,
     "upper end of a wide hull touched, drives": 0.4,
+    "com unknown, tensor about the frame": 0.3,
     "disturbance": 0.3,
     "lower end of a wide hull touched, bodies": 0.3,
+    "mass unknown, tensor about the frame": 0.3,
     "no error of position": 0.3,
     "read as doubles": 0.3,
     "upper end of a wide hull touched, bodies": 0.3,
@@ -122,7 +125,11 @@ def _kinds_of_box(robot: Robot) -> set[str]:
         np.stack([p.rotor_inertia, p.viscous, p.coulomb])
         for p in (robot.lower, robot.nominal, robot.upper)
     ]
+    wide_com = (width[:, 1:4] > 0.0).any(axis=1)
     found = {
+        "tensor about the frame": robot.framed.any(),
+        "com unknown, tensor about the frame": (robot.framed & wide_com).any(),
+        "mass unknown, tensor about the frame": (robot.framed & (width[:, 0] > 0.0)).any(),
         "all bodies exact": exact.all(),
         "exact bodies beside others": exact.any() and not exact.all(),
         "body known to a bit": ((width == ulps).all(axis=1)).any(),

@@ -138,6 +138,7 @@ def make_robot(rng: np.random.Generator, written: Written, sparse: bool = False)
             multiplier=np.array([float(x) for x in written.multiplier]),
             offset=np.array([nearest(amount(move)) for move in written.offset]),
         ),
+        inertia_about=tuple("frame" if x < 0.3 else "com" for x in rng.random(b)),
     )
 
 

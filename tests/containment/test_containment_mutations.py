@@ -11,8 +11,10 @@ import pytest
 from containment_cases import run_seed
 from kernel_answers import Bound, Query, bounds_slack
 
+import modrobust as mr
 from modrobust.robot import Robot
 from oracle import box, newton_euler
+from random_robots import steiner
 
 SEEDS = range(40)
 
@@ -68,6 +70,35 @@ def nominal_without_slack(robot: Robot, query: Query, bounds: list[Bound]) -> li
         return []
     nominal = plain["perturbation hull"].nominal
     return [replace(plain["perturbation hull"], lo=torque.lo - nominal, hi=torque.hi - nominal)]
+
+
+def moved_to_com(keep: str) -> Callable[[Robot, Query, list[Bound]], list[Bound]]:
+    """Boxes of tensors about the frame, moved to the COM with the nominal mass and COM alone."""
+
+    def change(robot: Robot, query: Query, bounds: list[Bound]) -> list[Bound]:
+        if not robot.framed.any():
+            return []
+        p = robot.nominal
+        shift = robot.framed[:, None, None] * steiner(p.mass, p.com)
+        points = {
+            name: replace(getattr(robot, name), inertia=getattr(robot, name).inertia - shift)
+            for name in ("lower", "nominal", "upper")
+        }
+        moved = replace(robot, inertia_about=(), **points)
+        return [
+            replace(bound, lo=lo, hi=hi)
+            for bound in bounds
+            if bound.name == f"torque {keep}, drives False"
+            for lo, hi in [mr.inverse_dynamics_bounds(moved, *query.vectors(), keep, False)]
+        ]
+
+    return change
+
+
+@pytest.mark.parametrize("keep", ["hull", "ianea"])
+def test_a_tensor_moved_to_the_com_at_nominal_is_seen(keep: str) -> None:
+    with np.errstate(all="ignore"):
+        assert any(run_seed(seed, moved_to_com(keep)).violations for seed in SEEDS)
 
 
 @pytest.mark.parametrize(

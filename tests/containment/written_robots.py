@@ -101,8 +101,8 @@ def nearest_matrix(pose: Pose) -> Any:
     return T
 
 
-def exact_robot(written: Written) -> BallRobot:
-    """The robot with exact rotations and the constants as written."""
+def exact_robot(written: Written, framed: Sequence[bool]) -> BallRobot:
+    """The robot with exact rotations and the constants as written; tensors are of the box."""
     g = [ball(x) for x in written.gravity]
     return BallRobot(
         prismatic=written.prismatic,
@@ -112,6 +112,7 @@ def exact_robot(written: Written) -> BallRobot:
         gravity=back(exact_pose(written.base).R, (g[0], g[1], g[2])),
         body_joints=written.body_joints,
         placement=[exact_pose(moves) for moves in written.placement],
+        framed=framed,
         gear_ratio=[ball(x) for x in written.gear_ratio],
         coulomb_speed=[ball(x) for x in written.coulomb_speed],
         leaders=written.leaders,

@@ -112,21 +112,60 @@ def test_per_cent_on_one_inertia_entry_is_of_that_entry(load):
     assert body.inertia[0].hi == above(Fraction(22, 1000))
 
 
-def test_a_tensor_about_the_frame_is_moved_exactly_and_its_bounds_with_it(load):
-    # m = 2 kg, c = (0.1, -0.2, 0.3) m: c'c = 0.14, so xx moves by 2 (0.14 - 0.01) = 0.26 and
-    # xy by -2 (0.1)(-0.2) = 0.04: worked out by hand.
-    body = load(
-        ("[0.1 m, 0, 0]", "[0.1 m, -0.2 m, 0.3 m]"),
-        (
-            "{xx: 0.02, yy: 0.03, zz: 0.03}",
-            "{about: frame, xx: 1.26 ± 0.1, yy: 1.2 ± 10%, zz: [1.05, 1.15], xy: 0 ± 50%}",
-        ),
-    ).items[1]
-    assert [entry.nominal for entry in body.inertia] == [1.0, -0.04, 0.06, 1.0, -0.12, 1.0]
-    assert (body.inertia[0].lo, body.inertia[0].hi) == (below(Fraction(9, 10)), 1.1)
-    assert (body.inertia[3].lo, body.inertia[3].hi) == (below(Fraction(9, 10)), 1.1)
-    assert body.inertia[5].lo == below(Fraction(95, 100))
-    assert body.inertia[1].lo == below(Fraction(-6, 100))
+ABOUT_FRAME = (
+    ("[0.1 m, 0, 0]", "[0.1 m, -0.2 m, 0.3 m]"),
+    (
+        "{xx: 0.02, yy: 0.03, zz: 0.03}",
+        "{about: frame, xx: 1.26 ± 0.1, yy: 1.2 ± 10%, zz: [1.05, 1.15], xy: 0 ± 0.02}",
+    ),
+)
+
+
+def test_a_tensor_about_the_frame_keeps_its_point_and_its_box_as_written(load):
+    body = load(*ABOUT_FRAME).items[1]
+    assert body.inertia_about == "frame"
+    assert [entry.nominal for entry in body.inertia] == [1.26, 0.0, 0.0, 1.2, 0.0, 1.1]
+    assert (body.inertia[0].lo, body.inertia[0].hi) == (1.16, above(Fraction(136, 100)))
+    assert (body.inertia[3].lo, body.inertia[3].hi) == (
+        below(Fraction(108, 100)),
+        above(Fraction(132, 100)),
+    )
+    assert (body.inertia[5].lo, body.inertia[5].hi) == (
+        below(Fraction(105, 100)),
+        above(Fraction(115, 100)),
+    )
+    assert body.inertia[1].lo == -0.02
+    assert load().items[1].inertia_about == "com"
+
+
+def test_tolerance_per_cent_is_of_the_tensor_as_written_about_the_frame(load):
+    # About the COM, 2 kg at 0.1 m away, the largest moment would be 0.05, not 0.07.
+    about = "{about: frame, xx: 0.05, yy: 0.07, zz: 0.07}"
+    body = load(("{mass: 2%}", "{inertia: 10%}"), ("{xx: 0.02, yy: 0.03, zz: 0.03}", about)).items[
+        1
+    ]
+    for entry, nominal in zip(body.inertia, (50, 0, 0, 70, 0, 70), strict=True):
+        assert entry.lo == below(Fraction(nominal - 7, 1000))
+        assert entry.hi == above(Fraction(nominal + 7, 1000))
+
+
+def test_a_tensor_about_the_frame_is_judged_where_it_is_moved_to_the_com(load):
+    # 2 kg at 0.1 m add 0.02 to yy and zz: 0.02 is a rod along x, a little less is none.
+    rod = "{about: frame, xx: 1e-3, yy: 0.021, zz: 0.021}"
+    assert load(("{xx: 0.02, yy: 0.03, zz: 0.03}", rod)).items[1].inertia[3].nominal == 0.021
+    with pytest.raises(DescriptionError, match="after the move to the COM is negative"):
+        load(("{xx: 0.02, yy: 0.03, zz: 0.03}", rod.replace("yy: 0.021", "yy: 0.019")))
+
+
+def test_a_box_of_mass_or_com_may_hold_bodies_that_do_not_exist_with_a_tensor_about_the_frame(load):
+    about = ("{xx: 0.02, yy: 0.03, zz: 0.03}", "{about: frame, xx: 0.01, yy: 0.03, zz: 0.03}")
+    exact, other = ("{mass: 2%}", "{com: 0}"), "the bounds of its inertia also hold tensors"
+    assert not any(other in note for note in load(exact, about).notes)
+    # moved by 0.02 at nominal, by 0.03 at 3 kg: nothing would be left of yy
+    heavy = load(exact, ("mass: 2 kg", "mass: 2 kg ± 1 kg"), about)
+    assert any(other in note for note in heavy.notes)
+    far = load(exact, ("[0.1 m, 0, 0]", "[0.1 m ± 30 mm, 0, 0]"), about)
+    assert any(other in note for note in far.notes)
 
 
 def test_a_box_with_tensors_that_no_body_has_is_noted(load):

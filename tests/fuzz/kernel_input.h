@@ -159,6 +159,7 @@ static void take_model(fuzz_case *c, bytes *in) {
     mr_transform *before = allocate(c, (size_t)j * sizeof *before);
     mr_transform *after = allocate(c, (size_t)j * sizeof *after);
     mr_transform *placement = allocate(c, (size_t)b * sizeof *placement);
+    int32_t *about = allocate(c, (size_t)b * 4);
     double *ratio = allocate(c, (size_t)j * 8), *speed = allocate(c, (size_t)j * 8);
     double *multiplier = allocate(c, (size_t)followers * 8);
     double *offset = allocate(c, (size_t)followers * 8);
@@ -178,6 +179,7 @@ static void take_model(fuzz_case *c, bytes *in) {
     }
     for (int32_t k = 0; k < b; ++k) {
         joint[k] = take_byte(in) % (j + 1) - 1;
+        about[k] = take_byte(in) & 1;
         take_transform(c, in, placement + k);
     }
     c->model = (mr_model){.n = n,
@@ -193,7 +195,8 @@ static void take_model(fuzz_case *c, bytes *in) {
                           .multiplier = multiplier,
                           .offset = offset,
                           .body_joint = joint,
-                          .placement = placement};
+                          .placement = placement,
+                          .inertia_about = about};
     for (int k = 0; k < 3; ++k) c->model.gravity[k] = take_double(in);
     double *folded = allocate(c, mr_folded_size(&c->model) * sizeof *folded);
     mr_fold(&c->model, folded);

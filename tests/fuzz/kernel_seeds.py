@@ -42,8 +42,9 @@ def encode(robot: mr.Robot, rng: np.random.Generator) -> bytes:
         out += [transform(robot.after[i]), numbers([robot.gear_ratio[i], robot.coulomb_speed[i]])]
     for leader, multiplier, offset in zip(f.leaders, f.multiplier, f.offset, strict=True):
         out += [bytes([leader]), numbers([multiplier, offset])]
-    for joint, placement in zip(robot.body_joints, robot.placement, strict=True):
-        out += [bytes([joint + 1]), transform(placement)]
+    bodies = zip(robot.body_joints, robot.framed, robot.placement, strict=True)
+    for joint, framed, placement in bodies:
+        out += [bytes([joint + 1, framed]), transform(placement)]
     out.append(numbers(robot.base[:3, :3].T @ robot.gravity))
     points = robot.nominal, robot.lower, robot.upper
     upper = np.triu_indices(3)

@@ -119,6 +119,7 @@ def data(robot: mr.Robot, method: str, rate: float) -> str:
     out.append(table("double", "multipliers", f.multiplier) + table("double", "offsets", f.offset))
     out.append(table("int32_t", "body_joints", robot.body_joints))
     out.append(transforms("placements", robot.placement))
+    out.append(table("int32_t", "abouts", robot.framed))
     out.extend(table("double", name, point.packed) for name, point in points.items())
     out.append(table("double", "d_lo", d.lo) + table("double", "d_hi", d.hi))
     out.append(table("int32_t", "uncertain", wide))
@@ -130,7 +131,7 @@ def data(robot: mr.Robot, method: str, rate: float) -> str:
     out.append(
         f"static const mr_model command_model = {{{robot.n}, {j}, {b}, types, parents, before, "
         "after, ratios, speeds, leaders, multipliers, offsets, body_joints, placements, "
-        f"{{{floats(x + y + z)}}}, NULL, NULL}};\n"
+        f"abouts, {{{floats(x + y + z)}}}, NULL, NULL}};\n"
     )
     ends = np.cumsum([0, b, 3 * b, 6 * b, j, j])
     views = [", ".join(f"{name} + {end}" for end in ends) for name in points]

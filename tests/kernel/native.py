@@ -45,6 +45,7 @@ class Model(Structure):
         *((name, Doubles) for name in ("multiplier", "offset")),
         ("body_joint", Ints),
         ("placement", Doubles),
+        ("inertia_about", Ints),
         ("gravity", c_double * 3),
         ("folded", Doubles),
         ("wraps", Ints),
@@ -204,6 +205,7 @@ class Native:
             offset=memory.doubles(f.offset),
             body_joint=memory.ints(robot.body_joints),
             placement=memory.transforms(robot.placement),
+            inertia_about=memory.ints(robot.framed),
             gravity=(c_double * 3)(*(x + y + z)),
         )
         folded = memory.empty(self.size("folded"))

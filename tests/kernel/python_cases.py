@@ -135,8 +135,9 @@ def model_maker(robot: Robot) -> Callable[[], _kernel.Model]:
     """Makes the compiled model from arrays that are there already."""
     followers = robot.followers
     types = np.array([kind == "prismatic" for kind in robot.joint_types], dtype=np.int32)
+    abouts = robot.framed.astype(np.int32)
     return lambda: _kernel.Model(
         types, robot.parents, robot.before, robot.after, robot.gravity, robot.body_joints,
-        robot.placement, robot.gear_ratio, robot.coulomb_speed, followers.leaders,
+        robot.placement, abouts, robot.gear_ratio, robot.coulomb_speed, followers.leaders,
         followers.multiplier, followers.offset, robot.wraps.astype(np.int32),
     )  # fmt: skip

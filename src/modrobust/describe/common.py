@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from xml.etree import ElementTree as ET
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.errors import ShapeError
+from modrobust.physical import inertia_about_com
 from modrobust.robot import Parameters, Robot
 
 Array = NDArray[np.float64]
@@ -50,15 +51,20 @@ def numbers(values: Iterable[float]) -> str:
 
 
 def point_of(robot: Robot, parameters: Parameters | None) -> Parameters:
-    """The parameters to write; ShapeError where they belong to another robot."""
+    """The parameters to write, every tensor about its COM, as the other formats want them.
+
+    Raises:
+        ShapeError: They belong to another robot.
+    """
     if parameters is None:
-        return robot.nominal
+        parameters = robot.nominal
     if parameters.packed.shape != robot.nominal.packed.shape or len(parameters.mass) != robot.b:
         raise ShapeError(
             f"parameters: of {len(parameters.mass)} bodies and {len(parameters.viscous)} joints; "
             f'robot "{robot.name}" has {robot.b} and {robot.j}'
         )
-    return parameters
+    inertia = inertia_about_com(parameters.mass, parameters.com, parameters.inertia, robot.framed)
+    return replace(parameters, inertia=inertia)
 
 
 def joint_origin(robot: Robot, i: int) -> Array:

@@ -240,6 +240,7 @@ def read_payload(model: PayloadModel, notes: list[str]) -> Payload:
         mass=masses.bounded_mass,
         com=masses.bounded_com,
         inertia=inertia,
+        inertia_about=(model.inertia.about if model.inertia is not None else None) or "com",
         assumed_point=model.inertia is None and model.size is None,
         where=model.where,
     )

@@ -1,4 +1,4 @@
-"""Bodies of descriptions: mass, COM and tensor about the COM, bounded and held against physics."""
+"""Bodies of descriptions: mass, COM and tensor, bounded as written and held against physics."""
 
 from __future__ import annotations
 
@@ -82,7 +82,11 @@ def _refuse_absurd(where: Where, field: str, unit: str, most: float, found: Quan
 def read_inertia(
     model: InertiaModel, masses: Masses, prefix: str, tolerances: Tolerances
 ) -> tuple[Six, bool]:
-    """The six tensor entries about the COM, and whether all tensors in the bounds are physical.
+    """The six tensor entries about their point as written; whether all in the bounds are physical.
+
+    The box stays about the frame where the tensor is written so: moved to the COM at nominal mass
+    and COM alone it would lack bodies that the written bounds allow. A per cent is of the tensor as
+    written.
 
     Raises:
         DescriptionError: The nominal tensor belongs to no rigid body.
@@ -95,10 +99,9 @@ def read_inertia(
             entries.append(Written(_NO_INERTIA, None, None, None, model.where, f"{field}.{name}"))
         else:
             entries.append(parse_written(node, ("inertia",), f"{field}.{name}"))
-    moved = model.about == "frame"
-    if moved:
-        entries = moved_to_com(entries, masses.mass, masses.com)
-    check_physical(entries, model.where, field, moved)
+    framed = model.about == "frame"
+    at_com = moved_to_com(entries, masses.mass, masses.com) if framed else entries
+    check_physical(at_com, model.where, field, framed)
     largest = largest_principal_moment([entry.nominal.middle for entry in entries])
     xx, xy, xz, yy, yz, zz = (
         tolerances.apply("inertia", entry, "inertia", largest).quantity() for entry in entries
@@ -106,4 +109,6 @@ def read_inertia(
     inertia = (xx, xy, xz, yy, yz, zz)
     for name, entry in zip(ENTRIES, inertia, strict=True):
         _refuse_absurd(model.where, f"{field}.{name}", "kg m^2", _MOST_INERTIA, entry)
+    if framed:
+        return inertia, box_is_physical(inertia, (masses.bounded_mass, *masses.bounded_com))
     return inertia, box_is_physical(inertia)

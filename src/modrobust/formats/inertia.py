@@ -1,4 +1,4 @@
-r"""Inertia tensors of descriptions: moved to the COM exactly, bounded, held against physics.
+r"""Inertia tensors of descriptions: bounded, held against physics; moved to the COM for that.
 
 A tensor is six entries xx, xy, xz, yy, yz, zz [kg m^2]. With c the COM in the frame of the figures,
 
@@ -41,10 +41,7 @@ def steiner(mass: Fraction, com: Sequence[Fraction]) -> Tensor:
 def moved_to_com(
     entries: Sequence[Written], mass: Written, com: Sequence[Written]
 ) -> list[Written]:
-    """Entries about the frame's origin as entries about the COM, at the nominal values.
-
-    Offsets of bounds stay what they are; a per cent becomes one of the moved entry.
-    """
+    """Entries about the frame's origin as entries about the COM, at the nominal values alone."""
     shift = steiner(mass.nominal.middle, [c.nominal.middle for c in com])
     return [
         entry.moved(entry.nominal.middle - part) for entry, part in zip(entries, shift, strict=True)
@@ -101,12 +98,18 @@ def check_physical(entries: Sequence[Written], where: Where, field: str, moved: 
         )
 
 
-def box_is_physical(inertia: Sequence[Quantity]) -> bool:
+def box_is_physical(inertia: Sequence[Quantity], framed: Sequence[Quantity] = ()) -> bool:
     """Whether every tensor within the bounds belongs to some rigid body.
 
-    Those tensors form a convex cone, so the 64 corners of the box decide.
+    Those tensors form a convex cone, so the 64 corners of the box decide. Tensors about the frame
+    come with mass and COM, `framed`; second moments less m c c' are then concave in c and fall with
+    m, so that the corners at the largest mass decide.
     """
     corners = np.array(list(itertools.product(*((entry.lo, entry.hi) for entry in inertia))))
+    if framed:
+        mass, *com = framed
+        away = [_moved_by(mass.hi, c) for c in itertools.product(*((e.lo, e.hi) for e in com))]
+        corners = (corners[:, None] - np.array(away)).reshape(-1, 6)
     moments = eigenvalues(_matrices(corners))
     excess = moments[:, 2] - moments[:, 1] - moments[:, 0]
     return bool(np.all(excess <= _TRIANGLE * np.abs(moments[:, 2])))
@@ -137,6 +140,19 @@ def box_body(mass: Written, size: Sequence[Written], where: Where, field: str) -
             exact = exact.between(lo, hi)
         entries.append(exact)
     return entries
+
+
+def _moved_by(mass: float, com: Sequence[float]) -> list[float]:
+    """`steiner` in doubles."""
+    x, y, z = com
+    return [
+        mass * (y * y + z * z),
+        -mass * (x * y),
+        -mass * (x * z),
+        mass * (x * x + z * z),
+        -mass * (y * z),
+        mass * (x * x + y * y),
+    ]
 
 
 def _moments(entries: Sequence[float]) -> NDArray[np.float64]:

@@ -1,7 +1,8 @@
 """What the files say, resolved: frozen, in SI units, tolerances applied.
 
 ``Quantity`` is a number with hard closed bounds; ``inertia`` is always the six tensor entries
-xx, xy, xz, yy, yz, zz about the COM in body axes [kg m^2], products with their minus sign.
+xx, xy, xz, yy, yz, zz in body axes [kg m^2], products with their minus sign, about the point that
+``inertia_about`` names: "com", or "frame" for the origin of the body's frame.
 """
 
 from __future__ import annotations
@@ -46,6 +47,7 @@ class BodyItem:
     mass: Quantity  # [kg]
     com: tuple[Quantity, Quantity, Quantity]  # [m], body axes
     inertia: tuple[Quantity, Quantity, Quantity, Quantity, Quantity, Quantity]
+    inertia_about: str
     where: Where
 
 
@@ -111,6 +113,7 @@ class Payload:
     mass: Quantity
     com: tuple[Quantity, Quantity, Quantity]
     inertia: tuple[Quantity, Quantity, Quantity, Quantity, Quantity, Quantity]
+    inertia_about: str
     assumed_point: bool
     where: Where
 

@@ -196,6 +196,7 @@ def _body(entry: BodyModel, tolerances: Tolerances, notes: list[str]) -> BodyIte
         mass=masses.bounded_mass,
         com=masses.bounded_com,
         inertia=inertia,
+        inertia_about=entry.inertia.about or "com",
         where=entry.where,
     )
 

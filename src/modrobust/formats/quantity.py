@@ -58,7 +58,7 @@ class Written:
         return self.minus is not None or self.percent is not None
 
     def moved(self, nominal: Fraction) -> Written:
-        """The same bound put on another nominal value: offsets shift, % is of the new value."""
+        """Another nominal value in the same place of the file, for messages; no bound fits it."""
         return replace(self, nominal=Enclosure(nominal, nominal))
 
     def widened(self, deviation: Enclosure) -> Written:
@@ -264,7 +264,7 @@ def _parse_text(
             f"{shown(node.text)} has two bounds; a quantity has one ±; keep one of them"
         )
     if rest[0].rstrip().endswith("%"):
-        # A per cent of 0 is refused in `ends`: a moved tensor may no longer be 0 there.
+        # A per cent of 0 is refused in `ends`.
         return replace(exact, percent=parse_percent(rest[0], node.text))
     deviation = parse_number(rest[0], known, number.unit).value
     if deviation.middle < 0:

@@ -1,4 +1,4 @@
-/* The exact range of the torque over the box of parameters, body by body: (17) to (19).
+/* The exact range of the torque over the box of parameters, body by body: (17) to (19), (18f).
  *
  * Everything is a difference from the nominal point, so that exact parameters cost nothing.
  * Rounding is to nearest here; mr_rounding_slack bounds it. One text for both uses of a register:
@@ -48,12 +48,13 @@ static void forward_poses(const mr_model *model, int32_t last, const mr_workspac
     }
 }
 
-/* What one uncertain body has in common for all joints that carry it. */
+/* What one uncertain body has in common for all joints that carry it. Its point is the nominal COM,
+ * or its frame's origin where that is what its tensor is about. */
 typedef struct {
     MR_REAL w[3], wa[3], dw[3], L[9];
-    MR_REAL e[3];   /* acceleration of the nominal COM, body axes */
-    MR_REAL R[9];   /* body to base */
-    MR_REAL com[3]; /* nominal COM from the first joint, base axes */
+    MR_REAL e[3];     /* acceleration of the point, body axes */
+    MR_REAL R[9];     /* body to base */
+    MR_REAL point[3]; /* from the first joint, base axes */
 } mr_uncertain_body;
 
 static void uncertain_body(const mr_model *model, const mr_bounds *bounds, int32_t b,
@@ -63,34 +64,37 @@ static void uncertain_body(const mr_model *model, const mr_bounds *bounds, int32
     const mr_pose *pose = &ws->poses[model->body_joint[b]];
     const mr_transform *T = &model->placement[b];
     const double *com = bounds->nominal.com + 3 * b;
+    const int framed = model->inertia_about[b] == MR_ABOUT_FRAME;
+    const size_t at = framed ? MR_A : MR_E;
     MR_REAL arm[3];
     for (size_t k = 0; k < 3; ++k) {
         body->w[k] = from[(MR_W + k) * stride];
         body->wa[k] = from[(MR_WA + k) * stride];
         body->dw[k] = from[(MR_DW + k) * stride];
-        body->e[k] = from[(MR_E + k) * stride];
+        body->e[k] = from[(at + k) * stride];
     }
     for (size_t k = 0; k < 9; ++k) body->L[k] = from[(MR_L + k) * stride];
-    mr_copy(pose->origin, body->com);
+    mr_copy(pose->origin, body->point);
     if (mr_of_model(model)->placements == MR_IDENTITY) {
         for (int k = 0; k < 9; ++k) body->R[k] = pose->R[k];
     } else {
         mr_multiply(pose->R, T->R, body->R);
         mr_rotate(pose->R, T->p, arm);
-        mr_add(arm, body->com);
+        mr_add(arm, body->point);
     }
+    if (framed) return;
     mr_rotate(body->R, com, arm);
-    mr_add(arm, body->com);
+    mr_add(arm, body->point);
 }
 
-/* Range of one body's torque on the joint of each lane, less the nominal, (18). */
-static inline void deviation(const mr_uncertain_body *body, const mr_body_box *box,
-                             int prismatic, const mr_lane axis[9], mr_lane_mask active,
-                             mr_lane *lo, mr_lane *hi) {
-    const MR_REAL *R = body->R, *e = body->e;
-    const mr_lane *point = axis + 6;
-    mr_lane s[3], arm[3], x[3], v[3];
-    for (int k = 0; k < 3; ++k) arm[k] = body->com[k] - point[k];
+/* s: the axis of each lane's joint in body axes, zero for a slide; v: how the body's point moves
+ * with the joint. */
+static inline void move_of(const mr_uncertain_body *body, int prismatic, const mr_lane axis[9],
+                           mr_lane s[3], mr_lane v[3]) {
+    const MR_REAL *R = body->R;
+    const mr_lane *from = axis + 6;
+    mr_lane arm[3], x[3];
+    for (int k = 0; k < 3; ++k) arm[k] = body->point[k] - from[k];
     mr_unrotate(R, axis, s);
     mr_unrotate(R, arm, x);
     mr_cross(s, x, v);
@@ -99,28 +103,55 @@ static inline void deviation(const mr_uncertain_body *body, const mr_body_box *b
         mr_unrotate(R, axis + 3, along);
         mr_add(along, v);
     }
+}
+
+/* W = sym(s dw' + (s x wa) w'), off-diagonal entries twice; t = s x wa */
+static inline void weights_of(const mr_uncertain_body *body, const mr_lane s[3],
+                              const mr_lane t[3], mr_lane W[6]) {
+    const MR_REAL *w = body->w, *dw = body->dw;
+    W[0] = s[0] * dw[0] + t[0] * w[0];
+    W[1] = (s[0] * dw[1] + s[1] * dw[0]) + (t[0] * w[1] + t[1] * w[0]);
+    W[2] = (s[0] * dw[2] + s[2] * dw[0]) + (t[0] * w[2] + t[2] * w[0]);
+    W[3] = s[1] * dw[1] + t[1] * w[1];
+    W[4] = (s[1] * dw[2] + s[2] * dw[1]) + (t[1] * w[2] + t[2] * w[1]);
+    W[5] = s[2] * dw[2] + t[2] * w[2];
+}
+
+/* What the box of the tensor adds by W: its middle and its radius. */
+static inline void tensor_share(const mr_body_box *box, const mr_lane W[6], mr_lane *moved,
+                                mr_lane *spread) {
+    *spread = MR_LANE_ABS(W[0]) * box->inertia_radius[0];
+    for (int k = 1; k < 6; ++k) *spread += MR_LANE_ABS(W[k]) * box->inertia_radius[k];
+    if (box->off_centre != 0.0)
+        for (int k = 0; k < 6; ++k) *moved += W[k] * box->inertia_shift[k];
+}
+
+/* (m - m_0) f_0 + m [least, most], and the share of the tensor. */
+static inline void ends_of(const mr_body_box *box, mr_lane f0, mr_lane least, mr_lane most,
+                           mr_lane moved, mr_lane spread, mr_lane *lo, mr_lane *hi) {
+    const mr_lane spread_lo = MR_LANE_ABS(f0 + least) * box->mass_radius + spread;
+    const mr_lane spread_hi = MR_LANE_ABS(f0 + most) * box->mass_radius + spread;
+    *lo = moved + (box->mass_middle * least - spread_lo);
+    *hi = moved + (box->mass_middle * most + spread_hi);
+}
+
+/* Range of one body's torque on the joint of each lane, less the nominal, (18). */
+static inline void deviation(const mr_uncertain_body *body, const mr_body_box *box,
+                             int prismatic, const mr_lane axis[9], mr_lane_mask active,
+                             mr_lane *lo, mr_lane *hi) {
+    const MR_REAL *e = body->e;
+    mr_lane s[3], v[3];
+    move_of(body, prismatic, axis, s, v);
     const mr_lane f0 = mr_dot(v, e);
     const mr_lane zero = MR_LANE_SPLAT(0.0);
     mr_lane least = zero, most = zero, moved = box->mass_shift * f0, spread = zero, W[6];
 
     if (box->com_uncertain != 0.0 || box->inertia_uncertain != 0.0) {
-        /* W = sym(s dw' + (s x wa) w'), off-diagonal entries twice */
-        const MR_REAL *w = body->w, *dw = body->dw;
         mr_lane t[3];
         mr_cross(s, body->wa, t);
-        W[0] = s[0] * dw[0] + t[0] * w[0];
-        W[1] = (s[0] * dw[1] + s[1] * dw[0]) + (t[0] * w[1] + t[1] * w[0]);
-        W[2] = (s[0] * dw[2] + s[2] * dw[0]) + (t[0] * w[2] + t[2] * w[0]);
-        W[3] = s[1] * dw[1] + t[1] * w[1];
-        W[4] = (s[1] * dw[2] + s[2] * dw[1]) + (t[1] * w[2] + t[2] * w[1]);
-        W[5] = s[2] * dw[2] + t[2] * w[2];
+        weights_of(body, s, t, W);
     }
-    if (box->inertia_uncertain != 0.0) {
-        spread = MR_LANE_ABS(W[0]) * box->inertia_radius[0];
-        for (int k = 1; k < 6; ++k) spread += MR_LANE_ABS(W[k]) * box->inertia_radius[k];
-        if (box->off_centre != 0.0)
-            for (int k = 0; k < 6; ++k) moved += W[k] * box->inertia_shift[k];
-    }
+    if (box->inertia_uncertain != 0.0) tensor_share(box, W, &moved, &spread);
     if (box->com_uncertain != 0.0) {
         mr_quadratic f;
         const mr_lane trace = mr_dot(s, body->dw);
@@ -145,10 +176,34 @@ static inline void deviation(const mr_uncertain_body *body, const mr_body_box *b
         least += shift;
         most += shift;
     }
-    const mr_lane spread_lo = MR_LANE_ABS(f0 + least) * box->mass_radius + spread;
-    const mr_lane spread_hi = MR_LANE_ABS(f0 + most) * box->mass_radius + spread;
-    *lo = moved + (box->mass_middle * least - spread_lo);
-    *hi = moved + (box->mass_middle * most + spread_hi);
+    ends_of(box, f0, least, most, moved, spread, lo, hi);
+}
+
+/* The same where the tensor is about the body frame's origin, (18f). */
+static inline void deviation_about_frame(const mr_uncertain_body *body, const mr_body_box *box,
+                                         const double com[3], int prismatic,
+                                         const mr_lane axis[9], mr_lane *lo, mr_lane *hi) {
+    mr_lane s[3], v[3], t[3], h[3], g[3];
+    move_of(body, prismatic, axis, s, v);
+    mr_cross(s, body->wa, t);
+    const mr_lane k = mr_dot(t, body->w);
+    mr_unrotate(body->L, v, h);
+    mr_add_cross(body->e, s, h);
+    for (int i = 0; i < 3; ++i) h[i] -= k * com[i];
+    const mr_lane f0 = mr_dot(v, body->e) + mr_dot(h, com);
+    const mr_lane zero = MR_LANE_SPLAT(0.0);
+    mr_lane least = zero, most = zero, moved = box->mass_shift * f0, spread = zero;
+
+    if (box->inertia_uncertain != 0.0) {
+        mr_lane W[6];
+        weights_of(body, s, t, W);
+        tensor_share(box, W, &moved, &spread);
+    }
+    if (box->com_uncertain != 0.0) {
+        for (int i = 0; i < 3; ++i) g[i] = h[i] - k * com[i];
+        mr_separable_range(g, k, box->com_shift, box->com_radius, &least, &most);
+    }
+    ends_of(box, f0, least, most, moved, spread, lo, hi);
 }
 
 /* Whether joint `ancestor` carries the link of `joint`. */
@@ -199,7 +254,11 @@ void mr_hull_deviation(const mr_model *model, const mr_bounds *bounds, const mr_
             mr_lane axis[9], least, most;
             if (!any) continue;
             for (size_t c = 0; c < 9; ++c) axis[c] = MR_TAKE(ws->axes + c * stride, first);
-            deviation(&body, &boxes[k], prismatic, axis, active, &least, &most);
+            if (model->inertia_about[b] == MR_ABOUT_FRAME)
+                deviation_about_frame(&body, &boxes[k], bounds->nominal.com + 3 * b, prismatic,
+                                      axis, &least, &most);
+            else
+                deviation(&body, &boxes[k], prismatic, axis, active, &least, &most);
             least = MR_TAKE(ws->lo, first) + MR_LANE_SELECT(active, least, zero);
             most = MR_TAKE(ws->hi, first) + MR_LANE_SELECT(active, most, zero);
             MR_PUT(least, ws->lo, first);

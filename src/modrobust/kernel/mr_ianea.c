@@ -54,6 +54,37 @@ static inline void product(mr_lane x, mr_lane x_rad, mr_lane y, mr_lane y_rad, m
     *rad = 0.5 * (up + down);
 }
 
+/* The same where the first is a mass: none is negative. */
+static inline void times_mass(mr_lane mass, mr_lane mass_rad, mr_lane x, mr_lane x_rad,
+                              mr_lane *mid, mr_lane *rad) {
+    const mr_lane above = MR_LANE_ABS(x + x_rad), below = MR_LANE_ABS(x - x_rad);
+    *mid = mass * x + 0.5 * (mass_rad * (above - below));
+    *rad = mass * x_rad + 0.5 * (mass_rad * (above + below));
+}
+
+/* m (c x a + |c|^2 (w x wa)), (16f), over the box of m and c: what stands in for c x F where the
+ * tensor is about the body frame's origin. With c = middle + d it is linear in d but for |d|^2,
+ * which lies in [0, |radius|^2]. */
+static inline void moment_about_frame(const mr_lane w[3], const mr_lane wa[3], const mr_lane a[3],
+                                      const mr_lane point[4], const mr_lane radius[4],
+                                      mr_lane mid[3], mr_lane rad[3]) {
+    const mr_lane *c = point + 1, *c_rad = radius + 1;
+    const mr_lane square = mr_dot(c, c), half = 0.5 * mr_dot(c_rad, c_rad);
+    mr_lane bent[3], x[3];
+    mr_cross(w, wa, bent);
+    mr_cross(c, a, x);
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        const mr_lane twice = 2.0 * bent[k];
+        const mr_lane slope_k = twice * c[k], slope_i = twice * c[i] + a[j];
+        const mr_lane slope_j = twice * c[j] - a[i];
+        const mr_lane x_rad = ((MR_LANE_ABS(slope_k) * c_rad[k] + MR_LANE_ABS(slope_i) * c_rad[i]) +
+                               MR_LANE_ABS(slope_j) * c_rad[j]) +
+                              MR_LANE_ABS(bent[k]) * half;
+        times_mass(point[0], radius[0], x[k] + bent[k] * (square + half), x_rad, &mid[k], &rad[k]);
+    }
+}
+
 /* A rate with its second-order terms; infinite where the proof ends. */
 static inline MR_REAL second_order(MR_REAL rate) {
     return MR_SELECT(rate <= MR_RATE_MAX, rate * MR_SECOND_ORDER, MR_SPLAT((double)INFINITY));
@@ -80,18 +111,15 @@ static inline void body_box(const mr_model *model, const mr_bounds *bounds,
     const mr_lane w_size[3] = SIZES_3(MR_LANE_ABS, w), wa_size[3] = SIZES_3(MR_LANE_ABS, wa);
     const mr_lane dw_size[3] = SIZES_3(MR_LANE_ABS, dw), zero = MR_LANE_SPLAT(0.0);
     mr_lane e[3], e_rad[3] = {zero, zero, zero}, turned[3] = {zero, zero, zero};
-    mr_lane F[3], F_rad[3], N[3], N_rad[3], Iw[3], Iw_rad[3];
+    mr_lane F[3], F_rad[3], N[3], N_rad[3], Iw[3], Iw_rad[3], M[3], M_rad[3];
 
     mr_rotate(L, c, e); /* 23 */
     mr_add(a, e);
     ADD_CROSS_SIZES(dw_size, c_rad, e_rad);
     ADD_CROSS_SIZES(wa_size, c_rad, turned);
     ADD_CROSS_SIZES(w_size, turned, e_rad);
-    for (int k = 0; k < 3; ++k) { /* 27: no mass is negative */
-        const mr_lane above = MR_LANE_ABS(e[k] + e_rad[k]), below = MR_LANE_ABS(e[k] - e_rad[k]);
-        F[k] = mass * e[k] + 0.5 * (mass_rad * (above - below));
-        F_rad[k] = mass * e_rad[k] + 0.5 * (mass_rad * (above + below));
-    }
+    for (int k = 0; k < 3; ++k) /* 27 */
+        times_mass(mass, mass_rad, e[k], e_rad[k], &F[k], &F_rad[k]);
     mr_symmetric(I, dw, N); /* 30 */
     mr_symmetric(I_rad, dw_size, N_rad);
     mr_symmetric(I, w, Iw);
@@ -103,9 +131,20 @@ static inline void body_box(const mr_model *model, const mr_bounds *bounds,
         mr_lane first, first_rad, second, second_rad;
         product(c[i], c_rad[i], F[j], F_rad[j], &first, &first_rad);
         product(c[j], c_rad[j], F[i], F_rad[i], &second, &second_rad);
-        N[k] += first - second;
-        N_rad[k] += first_rad + second_rad;
+        M[k] = first - second;
+        M_rad[k] = first_rad + second_rad;
     }
+    if (mr_of_model(model)->framed != 0.0) {
+        const mr_lane_mask framed = MR_TAKE_CONSTANT(mr_abouts(model), b) != 0.0;
+        mr_lane own[3], own_rad[3];
+        moment_about_frame(w, wa, a, point, radius, own, own_rad);
+        for (int k = 0; k < 3; ++k) {
+            M[k] = MR_LANE_SELECT(framed, own[k], M[k]);
+            M_rad[k] = MR_LANE_SELECT(framed, own_rad[k], M_rad[k]);
+        }
+    }
+    mr_add(M, N);
+    mr_add(M_rad, N_rad);
 
     const mr_lane heavy = mass + mass_rad, reach = sizes[0], lever = sizes[1], inertia = sizes[2];
     const mr_lane way = reach + size->out, force = heavy * (size->a + size->k * way);

@@ -23,7 +23,7 @@ static inline double *mr_align(double *memory) {
 }
 
 /* Constants of a model, all doubles: the header, (j) of the next, then the placements of the
- * bodies component by component (12, b padded). */
+ * bodies component by component (12, b padded) and what their tensors are about (b padded). */
 typedef struct {
     double depth;      /* joints on the longest way from the base to a link */
     double defect;     /* sum of all rotation matrices' distances from an orthonormal one */
@@ -31,6 +31,7 @@ typedef struct {
     double prismatic;  /* 1 where a joint is prismatic */
     double placements; /* how the placements of the bodies act, all of them */
     double aligned;    /* 1 where body k moves with joint k, for all bodies */
+    double framed;     /* 1 where the tensor of a body is about its frame */
     double poison;     /* 0, or not a number where a constant is not finite */
 } mr_model_constants;
 
@@ -54,7 +55,13 @@ static inline const double *mr_placements(const mr_model *model) {
     return (const double *)(mr_of_joints(model) + model->j);
 }
 
-/* A parameter point for the pass, component by component (10, b padded): mass, com, inertia. */
+/* (b padded) 0 for a tensor about the COM, 1 for one about the body frame's origin. */
+static inline const double *mr_abouts(const mr_model *model) {
+    return mr_placements(model) + 12 * mr_body_stride(model);
+}
+
+/* A parameter point for the pass, component by component (10, b padded): mass, com, and inertia
+ * about the COM, whatever the body's tensor is about. */
 #define MR_POINT 10
 void mr_point_of(const mr_model *model, const mr_parameters *parameters, double *point);
 
@@ -70,7 +77,7 @@ typedef struct {
 } mr_slack_factors;
 
 /* What an interval pass needs to know of the bodies, component by component (23, b padded): the
- * middle of the box of parameters as a point, its radius, and three sizes for (27): the way from the
+ * middle of the box of parameters as given, its radius, and three sizes for (27): the way from the
  * base to the farthest COM and four radii, twice the COM's, the largest inertia and four radii. */
 #define MR_RANGE (2 * MR_POINT + 3)
 

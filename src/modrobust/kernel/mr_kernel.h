@@ -34,6 +34,7 @@ typedef enum {
 } mr_status;
 
 typedef enum { MR_REVOLUTE = 0, MR_PRISMATIC = 1 } mr_joint_type;
+typedef enum { MR_ABOUT_COM = 0, MR_ABOUT_FRAME = 1 } mr_inertia_point;
 typedef enum { MR_HULL = 0, MR_IANEA = 1 } mr_method;
 typedef enum { MR_LAW_NORM = 0 } mr_law;
 
@@ -65,6 +66,7 @@ typedef struct {
     const double *offset;          /* (j - n) [rad] or [m] */
     const int32_t *body_joint;     /* (b) joint that moves the body, -1 is the base */
     const mr_transform *placement; /* (b) body frame in its link frame */
+    const int32_t *inertia_about;  /* (b) mr_inertia_point: what all tensors of the body are about */
     double gravity[3];             /* in the base frame [m/s^2] */
     const double *folded;          /* what mr_fold computed from all above */
     const int32_t *wraps;          /* (n) not 0: error of (4) less whole turns; NULL: nowhere */
@@ -79,7 +81,7 @@ void mr_fold(const mr_model *model, double *folded);
 typedef struct {
     const double *mass;          /* (b) [kg] */
     const double *com;           /* (b, 3) in body axes [m] */
-    const double *inertia;       /* (b, 6) xx xy xz yy yz zz about the COM, body axes [kg m^2] */
+    const double *inertia;       /* (b, 6) xx xy xz yy yz zz, body axes [kg m^2] */
     const double *rotor_inertia; /* (j) motor side [kg m^2] */
     const double *viscous;       /* (j) joint side [N m s/rad] or [N s/m] */
     const double *coulomb;       /* (j) joint side [N m] or [N] */

@@ -78,12 +78,18 @@ void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
     for (int32_t b = 0; b < model->b; ++b) {
         if (model->body_joint[b] < 0) continue;
         static const double axes[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
-        const mr_composite at_com = {parameters->mass[b], {0.0, 0.0, 0.0}, {
+        const double m = parameters->mass[b], *c = parameters->com + 3 * b;
+        const mr_composite given = {m, {0.0, 0.0, 0.0}, {
             parameters->inertia[6 * b], parameters->inertia[6 * b + 1],
             parameters->inertia[6 * b + 2], parameters->inertia[6 * b + 3],
             parameters->inertia[6 * b + 4], parameters->inertia[6 * b + 5]}};
         mr_composite body = {0.0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}};
-        add_composite(&at_com, axes, parameters->com + 3 * b, &body);
+        if (model->inertia_about[b] == MR_ABOUT_FRAME) {
+            body = given;
+            mr_add_scaled(m, c, body.h);
+        } else {
+            add_composite(&given, axes, c, &body);
+        }
         add_composite(&body, model->placement[b].R, model->placement[b].p,
                       &bodies[model->body_joint[b]]);
     }

@@ -57,7 +57,7 @@ static double poison_of(const mr_transform *T) {
 
 size_t mr_folded_size(const mr_model *model) {
     return DOUBLES(mr_model_constants) + (size_t)model->j * DOUBLES(mr_joint_constants) +
-           12 * mr_body_stride(model);
+           13 * mr_body_stride(model);
 }
 
 void mr_do_fold(const mr_model *model, double *folded) {
@@ -65,7 +65,7 @@ void mr_do_fold(const mr_model *model, double *folded) {
     mr_model_constants *whole = (mr_model_constants *)folded;
     mr_joint_constants *joints = (mr_joint_constants *)(whole + 1);
     double *placements = (double *)(joints + model->j);
-    *whole = (mr_model_constants){0.0, 0.0, 1.0, 0.0, MR_IDENTITY, 1.0, 0.0};
+    *whole = (mr_model_constants){0.0, 0.0, 1.0, 0.0, MR_IDENTITY, 1.0, 0.0, 0.0};
     for (int k = 0; k < 3; ++k) whole->poison += 0.0 * model->gravity[k];
     for (int32_t i = 0; i < model->j; ++i) {
         const mr_transform *before = &model->before[i], *after = &model->after[i];
@@ -82,7 +82,7 @@ void mr_do_fold(const mr_model *model, double *folded) {
         joints[i].lever_norm = norm_up(3, after->p);
         mr_unrotate(after->R, after->p, joints[i].lever); /* line 9 */
     }
-    for (size_t k = 0; k < 12 * stride; ++k) placements[k] = 0.0;
+    for (size_t k = 0; k < 13 * stride; ++k) placements[k] = 0.0;
     for (int32_t b = 0; b < model->b; ++b) {
         const mr_transform *T = &model->placement[b];
         whole->defect += defect_of(T);
@@ -91,16 +91,32 @@ void mr_do_fold(const mr_model *model, double *folded) {
         if (model->body_joint[b] != b) whole->aligned = 0.0;
         for (size_t k = 0; k < 9; ++k) placements[k * stride + (size_t)b] = T->R[k];
         for (size_t k = 0; k < 3; ++k) placements[(9 + k) * stride + (size_t)b] = T->p[k];
+        if (model->inertia_about[b] != MR_ABOUT_FRAME) continue;
+        placements[12 * stride + (size_t)b] = whole->framed = 1.0;
     }
+}
+
+/* I <- I - m (c'c 1 - c c'), six entries, (16f) */
+static void to_com(double m, const double c[3], double I[6]) {
+    I[0] -= m * (c[1] * c[1] + c[2] * c[2]);
+    I[1] += m * (c[0] * c[1]);
+    I[2] += m * (c[0] * c[2]);
+    I[3] -= m * (c[0] * c[0] + c[2] * c[2]);
+    I[4] += m * (c[1] * c[2]);
+    I[5] -= m * (c[0] * c[0] + c[1] * c[1]);
 }
 
 void mr_point_of(const mr_model *model, const mr_parameters *parameters, double *point) {
     const size_t stride = mr_body_stride(model);
     for (size_t k = 0; k < MR_POINT * stride; ++k) point[k] = 0.0;
     for (size_t b = 0; b < (size_t)model->b; ++b) {
-        point[b] = parameters->mass[b];
-        for (size_t k = 0; k < 3; ++k) point[(1 + k) * stride + b] = parameters->com[3 * b + k];
-        for (size_t k = 0; k < 6; ++k) point[(4 + k) * stride + b] = parameters->inertia[6 * b + k];
+        const double m = parameters->mass[b], *c = parameters->com + 3 * b;
+        double I[6];
+        for (size_t k = 0; k < 6; ++k) I[k] = parameters->inertia[6 * b + k];
+        if (model->inertia_about[b] == MR_ABOUT_FRAME) to_com(m, c, I);
+        point[b] = m;
+        for (size_t k = 0; k < 3; ++k) point[(1 + k) * stride + b] = c[k];
+        for (size_t k = 0; k < 6; ++k) point[(4 + k) * stride + b] = I[k];
     }
 }
 
@@ -151,13 +167,15 @@ typedef struct {
  * from the link frame. */
 static double add_body(const mr_model *model, const mr_parameters *at, const mr_bounds *bounds,
                      int32_t b, sums *s) {
-    const double m = fabs(at->mass[b]);
-    const double x = norm_up(3, model->placement[b].p) + norm_up(3, at->com + 3 * b);
+    const double m = fabs(at->mass[b]), c = norm_up(3, at->com + 3 * b);
+    const double x = norm_up(3, model->placement[b].p) + c;
     const double X = s->reach + x;
+    double I = inertia_norm(at->inertia + 6 * b);
+    if (model->inertia_about[b] == MR_ABOUT_FRAME) I += 1.5 * m * c * c; /* moved to the COM */
     s->m += m;
     s->mX += m * X;
     s->mx += m * x;
-    s->mXx += m * X * x + inertia_norm(at->inertia + 6 * b);
+    s->mXx += m * X * x + I;
     if (!bounds) return x;
     const mr_parameters *l = &bounds->lower, *h = &bounds->upper;
     double com[3], inertia[6];

@@ -143,4 +143,27 @@ static inline void mr_quadratic_range(const mr_quadratic *f, const double radius
     *lo = MR_LANE_SELECT(several, lowest, *lo);
 }
 
+/* lo, hi <- the exact range of g . x - k x . x over the box |x - shift| <= r, (18f): one parabola a
+ * component. */
+static inline void mr_separable_range(const mr_lane g[3], mr_lane k, const double shift[3],
+                                      const double radius[3], mr_lane *lo, mr_lane *hi) {
+    const mr_lane zero = MR_LANE_SPLAT(0.0);
+    *lo = *hi = zero;
+    for (int i = 0; i < 3; ++i) {
+        const mr_lane bend = k * radius[i], bent = bend * radius[i];
+        const mr_lane middle = g[i] - k * shift[i], slope = middle - k * shift[i];
+        const mr_lane size = MR_LANE_ABS(slope), reach = size * radius[i];
+        const mr_lane at_middle = middle * shift[i];
+        const mr_lane_mask inside = size < 2.0 * MR_LANE_ABS(bend);
+        mr_lane least = -reach - bent, most = reach - bent;
+        if (mr_lane_any(inside)) {
+            const mr_lane peak = 0.5 * (slope * (slope / (2.0 * k)));
+            least = MR_LANE_SELECT(inside & (k < 0.0), peak, least);
+            most = MR_LANE_SELECT(inside & (k > 0.0), peak, most);
+        }
+        *lo += at_middle + least;
+        *hi += at_middle + most;
+    }
+}
+
 #endif

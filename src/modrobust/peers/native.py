@@ -163,6 +163,7 @@ def _job(
     yield from map(_doubles, (f.multiplier, f.offset))
     yield _integers(robot.body_joints)
     yield _transforms(robot.placement)
+    yield _integers(robot.framed)
     yield _doubles(robot.base[:3, :3].T @ robot.gravity)
     yield _integers(depth_first(robot))
     yield _integers([len(boxes)])

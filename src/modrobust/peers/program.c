@@ -93,6 +93,7 @@ static mr_model read_model(void) {
     m.offset = doubles((size_t)(m.j - m.n));
     m.body_joint = integers(m.b);
     m.placement = transforms(m.b);
+    m.inertia_about = integers(m.b);
     double *gravity = doubles(3);
     memcpy(m.gravity, gravity, sizeof m.gravity);
     free(gravity);

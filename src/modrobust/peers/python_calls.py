@@ -19,6 +19,7 @@ from modrobust.errors import MissingExtraError, ValueRangeError
 from modrobust.peers.cases import States, random_states, uncertain_everywhere
 from modrobust.peers.native import DISAGREEMENT, depth_first, require_comparable
 from modrobust.peers.timing import Comparison, interleaved
+from modrobust.physical import inertia_about_com
 from modrobust.robot import Robot
 
 Array = NDArray[np.float64]
@@ -182,8 +183,9 @@ def _twin(pin: ModuleType, robot: Robot) -> tuple[Any, list[int]]:
         T = robot.before[i] if parent < 0 else robot.after[parent] @ robot.before[i]
         ids[i] = model.addJoint(ids[parent], kind, se3(T), f"joint{i}")
     p = robot.nominal
+    tensors = inertia_about_com(p.mass, p.com, p.inertia, robot.framed)
     for b, i in enumerate(robot.body_joints.tolist()):
         if i >= 0:
-            inertia = pin.Inertia(float(p.mass[b]), p.com[b], p.inertia[b])
+            inertia = pin.Inertia(float(p.mass[b]), p.com[b], tensors[b])
             model.appendBodyToJoint(ids[i], inertia, se3(robot.after[i] @ robot.placement[b]))
     return model, order
