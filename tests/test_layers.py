@@ -66,6 +66,7 @@ LAYERS = {
     "describe": 3,
     "dynamics": 3,
     "control": 4,
+    "divergence": 4,
     "metrics": 4,
     "remarks": 4,
     "spline": 4,

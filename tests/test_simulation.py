@@ -106,7 +106,7 @@ def test_the_hull_lies_inside_ianea_and_asks_for_less(
     np.testing.assert_allclose(hull.phi_hi - hull.phi_lo, hull.width_hull, rtol=1e-12)
     np.testing.assert_allclose(ianea.phi_hi - ianea.phi_lo, ianea.width_ianea, rtol=1e-12)
     assert hull.summary()["rho_mean"] < 0.85 * ianea.summary()["rho_mean"]
-    assert hull.summary()["width_ratio"][0] > 3.0
+    assert hull.summary()["ianea_over_hull"][0] > 3.0
 
 
 def test_every_key_of_the_interface_is_in_the_summary_and_it_is_json(

@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 # 1 ms. Source: Section V of Giusti and Althoff 2017.
 PAPER_TIMES: Mapping[str, float] = {"mean": 15.3e-6, "max": 17.2e-6, "std": 0.288e-6}  # [s]
 
+PAPER_ROBOT = "lwa4p-paper"  # the robot that they were measured on
+
 SIZES = (2, 4, 8, 16, 32, 64, 128, 256)
 # Below this the constant part of a command hides how it grows.
 _FIT_FROM = 16
@@ -120,8 +122,8 @@ class Tightness:
                 "states": len(self.width_hull),
                 "width_hull": hull,
                 "width_ianea": ianea,
-                "ratio": ratio(ianea, hull),
-                "ratio_median": median,
+                "ianea_over_hull": ratio(ianea, hull),
+                "ianea_over_hull_median": median,
             }
         )
         if self.width_found is not None:
@@ -162,7 +164,11 @@ class BenchmarkResult:
         return {
             "robots": [item.to_dict() for item in self.robots],
             "growth": [item.to_dict() for item in self.growth],
-            "paper": {"times": dict(PAPER_TIMES), "source": "Giusti and Althoff 2017, Section V"},
+            "paper": {
+                "robot": PAPER_ROBOT,
+                "times": dict(PAPER_TIMES),
+                "source": "Giusti and Althoff 2017, Section V",
+            },
             "interrupted": self.interrupted,
         }
 

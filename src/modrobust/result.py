@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from modrobust import _kernel, files
 from modrobust.control import RobustController
+from modrobust.divergence import Divergence, find_divergence
 from modrobust.engine_loop import EngineLoop
 from modrobust.errors import ModrobustError
 from modrobust.files import replacing
@@ -112,6 +113,24 @@ class SimulationResult:
         """Whether the loop left the range in which it can be computed."""
         return self.statistics is not None and self.statistics.status != _kernel.STATUS_OK
 
+    @cached_property
+    @own_environment()
+    def divergence(self) -> Divergence | None:
+        """Why the loop diverged, see `modrobust.divergence`; None where it did not."""
+        if not self.diverged:
+            return None
+        return find_divergence(
+            self.robot,
+            self.parameters,
+            self.controller,
+            1.0 / self.settings["control_rate"],
+            self.t,
+            self.q,
+            self.dq,
+            self.error,
+            self.rho,
+        )
+
     @property
     @own_environment()
     def epsilon_entered_at(self) -> float | None:
@@ -155,11 +174,16 @@ class SimulationResult:
             reasons.append(f"interrupted at {reached:.6g} s of {wanted:.6g} s")
         if s is None:
             return reasons
+        if self.divergence is not None:
+            reasons.append(
+                f"the loop diverged at {s.time:.6g} s: {self.divergence.cause}; what helps: "
+                + ", or ".join(self.divergence.remedies)
+            )
         if s.violations:
             reasons.append(f"the bound was violated at {s.violations} of {s.ticks} ticks")
         if self.diverged:
-            reasons.append(f"the loop diverged at {s.time:.6g} s")
-        elif self.epsilon_entered_at is None and not self.cut_short:
+            return reasons  # what else is wrong follows from it
+        if self.epsilon_entered_at is None and not self.cut_short:
             reasons.append(
                 f"the tracking error did not stay below epsilon = {self.controller.epsilon:g}: "
                 f"{s.error_last:.3g} at the end"
@@ -184,8 +208,10 @@ class SimulationResult:
     def remarks(self) -> list[str]:
         """What the verdict does not judge, one sentence each: of the motion, torques that shake,
         and positions and velocities beyond their limits, which the controller does not know. Of
-        the logged ticks.
+        the logged ticks. None of a run that diverged: what it did then follows from that.
         """
+        if self.diverged:
+            return []
         duration = self.settings["duration"]
         of_run = remarks(self.robot, duration, self.t, self.q, self.dq, self.chattering)
         return [*self.settings.get("motion_remarks", ()), *of_run]
@@ -210,6 +236,7 @@ class SimulationResult:
             "violations": 0 if s is None else s.violations,
             "violation_max": None if s is None else s.violation_max,
             "diverged": self.diverged,
+            "divergence": None if self.divergence is None else self.divergence.to_dict(),
             "epsilon_entered_at": self.epsilon_entered_at,
             "cut_short": self.cut_short,
             "error_final": None if s is None else s.error_last,
@@ -222,13 +249,14 @@ class SimulationResult:
             "rho_max": None if s is None else s.rho_max,
             "width_hull": width_hull,
             "width_ianea": width_ianea,
-            "width_ratio": ratio(width_ianea, width_hull),
+            "ianea_over_hull": ratio(width_ianea, width_hull),
             "chattering": self.chattering,
             "chattering_limit": CHATTERING_LIMIT,
             "command_time": time_statistics(self.command_seconds),
             "ticks": 0 if s is None else s.ticks,
             "time": 0.0 if s is None else min(s.time, self.settings["duration"]),
             "interrupted": self.interrupted,
+            "uncertain": self.robot.uncertain,
             "ok": self.ok,
             "reasons": self.reasons,
             "remarks": self.remarks,

@@ -166,6 +166,13 @@ class Robot:
         return flags
 
     @property
+    def uncertain(self) -> bool:
+        """Whether any parameter or the disturbance has a width; else there is nothing to be robust
+        against."""
+        d = self.disturbance
+        return bool((self.lower.packed < self.upper.packed).any() or (d.lo < d.hi).any())
+
+    @property
     def all_joint_names(self) -> tuple[str, ...]:
         """Names of the j joints, the free ones first."""
         return self.joint_names + self.followers.names

@@ -82,10 +82,10 @@ def test_the_table_of_the_paper_s_robot_is_what_the_runs_give() -> None:
         found = [
             re.search(pattern, text)
             for pattern in (
-                r"violations of the bound +(\d+) of",
-                r"for good from (\S+ s)",
-                r"\[Φ\] +mean (\S+),",
-                r"largest (\S+)\n",
+                r"violations +(\d+) of",
+                r"epsilon entered at +(\S+ s) for good",
+                r"rho mean +(\S+),",
+                r"rho max +(\S+)\n",
             )
         ]
         assert [match and match[1] for match in found] == figures.split(" | ")

@@ -17,7 +17,7 @@ app = typer.Typer(
         "  modrobust modules\n"
         "  modrobust assemble lwa4p\n"
         "  modrobust simulate lwa4p-paper --scenario 1\n\n"
-        "\b\nExit codes: 0 fine; 1 ran, but the answer is bad (a bound violated, a loop diverged,\n"
+        "Exit codes: 0 fine; 1 ran, but the answer is bad (a bound violated, a loop diverged, "
         "a limit missed); 2 bad input or usage; 130 interrupted."
     ),
     no_args_is_help=True,

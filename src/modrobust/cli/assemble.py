@@ -28,8 +28,8 @@ Examples:
   modrobust assemble lwa4p
   modrobust assemble my-robot.yaml -o resolved.json
   modrobust assemble lwa4p-paper --json
-  modrobust assemble lwa4p --urdf lwa4p.urdf --mjcf lwa4p.xml --parameters random --seed 1
-  modrobust assemble panda.urdf --lock panda_finger_joint1=0.02 --tolerance "mass=5%,com=5mm"
+  modrobust assemble lwa4p --urdf lwa4p.urdf --mjcf lwa4p.xml
+  modrobust assemble panda.urdf --lock grip=0.02 --tolerance "mass=5%,com=5mm"
 """
 
 
@@ -54,7 +54,7 @@ def assemble(
     parameters: Point = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of corner and random.")] = 0,
 ) -> None:
-    """Assemble a robot from its modules, or read its URDF, and show what came out.
+    """Show a robot put together from modules or read from a URDF.
 
     Modules, standard D-H table, masses with their bounds, reach, static torques, what is exact.
     """

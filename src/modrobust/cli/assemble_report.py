@@ -113,7 +113,7 @@ def _end(name: str, transform: Array) -> str:
 
 
 def _links(report: Report) -> Table:
-    rows = table("moves with", "bodies", "mass [kg]", "lowest", "highest", left=2)
+    rows = table("moves with", "bodies", "mass [kg]", "lowest", "highest", left=2, folded={1})
     for link in report.links:
         mass = link.mass
         rows.add_row(

@@ -32,17 +32,18 @@ Examples:
   modrobust bench
   modrobust bench lwa4p my-robot.yaml --repeat 10
   modrobust bench lwa4p-paper --json
+  modrobust bench --growth
   modrobust bench --peers
 
-\b
 Ctrl-C ends early: what was measured is shown, the exit code is 130.
 The exit code is 1 when the loop of a robot diverges: there is nothing to measure then.
 """
 
 
 _WIDTHS = (
-    "width_found", "width_hull", "width_ianea", "hull_over_found", "ratio", "ratio_median"
-)  # fmt: skip
+    *("width_found", "width_hull", "width_ianea"),
+    *("hull_over_found", "ianea_over_hull", "ianea_over_hull_median"),
+)
 
 
 def bench(
@@ -62,17 +63,21 @@ def bench(
     gravity: Gravity = None,
     xacro: Xacro = None,
     package: Package = None,
+    growth: Annotated[
+        bool, typer.Option("--growth", help="Also synthetic chains of 2 to 256 joints.")
+    ] = False,
     peers: Annotated[
         bool, typer.Option("--peers", help="Only times, beside those of other libraries.")
     ] = False,
     json: Json = False,
 ) -> None:
-    """Measure the time of a command, its growth with the joints, and the tightness of the bounds.
+    """Measure the time of a command and how tight the bounds are.
 
     The controller is replayed on the signals of a simulation sampled at 1 ms. Tightness: mean
     width of the bound by either method, and of the range that a search of the parameters finds.
+    With --growth also the time against the number of joints.
     """
-    from modrobust.benchmark import benchmark
+    from modrobust.benchmark import SIZES, benchmark
     from modrobust.cli.output import ProgressBar, note, print_json
 
     options = (base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
@@ -83,7 +88,12 @@ def bench(
     if not json:
         _heading(robots[0].name, robots[0].n)  # at once: the figures take a while
     with ProgressBar("Measuring") as bar:
-        result = benchmark(robots, repeat=repeat, progress=lambda what, done: bar(done, label=what))
+        result = benchmark(
+            robots,
+            repeat=repeat,
+            sizes=SIZES if growth else (),
+            progress=lambda what, done: bar(done, label=what),
+        )
     figures = result.to_dict()
     if json:
         print_json(figures)
@@ -94,10 +104,8 @@ def bench(
         raise typer.Exit(130)
     diverged = [item.run for item in result.robots if item.run is not None and item.run.diverged]
     for run in diverged:
-        note(
-            f"{run.robot.name}: the loop diverged at {run.t[-1]:.6g} s, so nothing of it is "
-            "measured; modrobust simulate shows the run; try lower gains"
-        )
+        reason = next(reason for reason in run.reasons if "diverged" in reason)
+        note(f"{run.robot.name}: {reason}; nothing of it is measured")
     if diverged:
         raise typer.Exit(1)
 
@@ -137,9 +145,9 @@ def print_benchmark(figures: Mapping[str, Any]) -> None:
             measured[f"{item['bound']}, in C"] = item["in_c"]
             measured[f"{item['bound']}, from Python"] = item["in_python"]
         if measured:
-            show("Time per command", times(measured))
+            show("Time per command", times(measured, entry["robot"]))
         for item in entry["tightness"]:
-            rows = table("joint", "found", "hull", "ianea", "hull/found", "ianea/hull", "median")
+            rows = table("joint", *map(_header, _WIDTHS))
             for j, name in enumerate(entry["joints"]):
                 rows.add_row(name, *(number(item[key][j]) for key in _WIDTHS))
             show(f"Mean width of [Φ], {item['where']}", rows)
@@ -152,6 +160,13 @@ def _heading(name: str, joints: int) -> None:
     from modrobust.cli.output import show
 
     show(f"{name}: {joints} joints", style="bold")
+
+
+def _header(key: str) -> str:
+    """The words of a key, less what the title and the column before say."""
+    from modrobust.cli.output import words
+
+    return words(key).removeprefix("width ").removeprefix("ianea/hull ")
 
 
 def _growth(growth: list[Any]) -> Table:

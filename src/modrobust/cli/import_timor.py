@@ -14,7 +14,6 @@ Examples:
   modrobust import-timor modules.json -o my-modules
   modrobust import-timor modules.json -o my-modules --inertia-about frame
 
-\b
 Modules that cannot be imported are named on stderr with the reason; the exit code is 1 when none
 can be. The files are ready to be completed: give bounds, since the database has none.
 """
@@ -34,7 +33,7 @@ def import_timor(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Write the modules of a Timor database as module files, one a module."""
+    """Write the modules of a Timor database as module files."""
     from modrobust.cli.output import note, print_json, show
     from modrobust.timor import import_timor as read
     from modrobust.timor import write_modules

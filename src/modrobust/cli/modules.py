@@ -32,7 +32,7 @@ def modules(
     ] = None,
     json: Json = False,
 ) -> None:
-    """List the modules of the catalogue, and what can be mounted on each."""
+    """List the modules and what can be mounted on each."""
     from modrobust.catalogue import catalogue, mates
     from modrobust.cli.output import print_json
 
@@ -48,8 +48,7 @@ def print_modules(found: Sequence[Module], mounted: Mapping[str, Sequence[str]])
     """Print the modules, then who goes onto whom, modules with the same answer together."""
     from modrobust.cli.output import show, table
 
-    rows = table("module", "joints", "what it is", left=3)
-    rows.columns[0].no_wrap = True
+    rows = table("module", "joints", "name", left=3, folded={2})
     for module in found:
         rows.add_row(module.id, str(len(_joints(module))), module.name)
     real = sum(module.product for module in found)
@@ -59,11 +58,11 @@ def print_modules(found: Sequence[Module], mounted: Mapping[str, Sequence[str]])
     for module in found:
         if mounted[module.id]:
             groups.setdefault(tuple(mounted[module.id]), []).append(module.id)
-    onto = table("on the out of", "goes the in of", left=2)
+    onto = table("module", "mates", left=2, folded={0, 1})
     onto.show_lines = True
     for above, below in groups.items():
         onto.add_row(", ".join(below), ", ".join(above))
-    show("What mates to what", style="bold")
+    show("What mates to what: on the out of a module goes the in of", style="bold")
     show(onto)
 
 

@@ -6,16 +6,13 @@ import json
 import os
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.progress import Progress
     from rich.table import Table
-
-
-_NARROWEST = 10  # [letters], of a column whose texts can be folded
 
 
 def show(*results: RenderableType, style: str = "") -> None:
@@ -33,7 +30,7 @@ def show(*results: RenderableType, style: str = "") -> None:
     usual = console.width
     with console.capture() as captured:
         for result in results:
-            if isinstance(result, Table):  # rather wider than a narrow terminal than unreadable
+            if isinstance(result, Table):  # rather wider than the terminal than unreadable
                 console.width = max(usual, _narrowest(result))
             console.print(result, style=style)
             console.width = usual
@@ -43,18 +40,28 @@ def show(*results: RenderableType, style: str = "") -> None:
 
 
 def _narrowest(table: Table) -> int:
-    """Width below which numbers would lose their end and names would vanish."""
+    """Width below which a number, or a word of a text that can be folded, would be cut."""
     from rich.cells import cell_len
 
     width = 2
     for column in table.columns:
-        longest = max(cell_len(str(cell)) for cell in (column.header, *column.cells))
-        width += 2 + (longest if column.no_wrap else min(longest, _NARROWEST))
+        texts = [str(cell) for cell in (column.header, *column.cells)]
+        whole = texts if column.no_wrap else [word for text in texts for word in text.split()]
+        width += 2 + max(map(cell_len, whole), default=0)
     return width
 
 
-def table(*columns: str, left: int = 1) -> Table:
-    """An empty compact table; all but the first `left` columns hold numbers, to the right."""
+def words(key: str) -> str:
+    """The words of a table for a key of the JSON: the same ones."""
+    return key.replace("_over_", "/").replace("_", " ")
+
+
+def table(*columns: str, left: int = 1, folded: Collection[int] = ()) -> Table:
+    """An empty compact table; all but the first `left` columns hold numbers, to the right.
+
+    The columns `folded` hold texts that may take several lines. Everything else is a name or a
+    number: broken in two it reads as two, so a row stays one line, however long.
+    """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
@@ -62,8 +69,7 @@ def table(*columns: str, left: int = 1) -> Table:
     empty = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), show_header=any(columns))
     for index, column in enumerate(columns):
         side: Literal["left", "right"] = "left" if index < left else "right"
-        # A number that is broken in two reads as two; a name can be.
-        empty.add_column(Text(column), justify=side, overflow="fold", no_wrap=index >= left)
+        empty.add_column(Text(column), justify=side, overflow="fold", no_wrap=index not in folded)
     return empty
 
 
@@ -79,15 +85,16 @@ def microseconds(value: float | None) -> str:
     return f"{value * 1e6:.3g} us" if value < 999.5e-6 else f"{value * 1e3:.3g} ms"
 
 
-def times(measured: Mapping[str, Mapping[str, float | None]]) -> Table:
-    """Table of times per command, the paper's in the last row."""
-    from modrobust.benchmark import PAPER_TIMES
+def times(measured: Mapping[str, Mapping[str, float | None]], robot: str) -> Table:
+    """Table of times per command; under those of the paper's robot, the paper's own."""
+    from modrobust.benchmark import PAPER_ROBOT, PAPER_TIMES
 
     statistics = ("mean", "max", "std", "p50", "p99")
     rows = table("", *statistics)
     for column in rows.columns[1:]:
         column.min_width = len("0.288 us")  # so that the layout does not change with the times
-    for label, values in {**measured, "paper (ianea, 3.5 GHz i7)": PAPER_TIMES}.items():
+    paper = {"paper (ianea, 3.5 GHz i7)": PAPER_TIMES} if robot == PAPER_ROBOT else {}
+    for label, values in {**measured, **paper}.items():
         rows.add_row(label, *(microseconds(values.get(key)) for key in statistics))
     return rows
 

@@ -19,7 +19,7 @@ def schema(
         bool, typer.Option("--json", help="As on every command; it prints JSON anyway.")
     ] = False,
 ) -> None:
-    """Print the JSON Schema of module or assembly files, for editors."""
+    """Print the JSON Schema of description files, for editors."""
     from modrobust.cli.output import print_json
     from modrobust.formats import json_schema
 

@@ -33,7 +33,7 @@ Examples:
   modrobust simulate lwa4p --parameters corner --seed 3 --duration 20s
   modrobust simulate ur5.urdf --tolerance "mass=5%,com=5mm,inertia=10%"
   modrobust simulate my-robot.yaml --trajectory motion.csv --log run.npz
-  modrobust simulate lwa4p-payload --plant mujoco --control-rate 3kHz --video run.mp4
+  modrobust simulate lwa4p-payload --plant mujoco --control-rate 3kHz
 
 \b
 --duration does not change the motion: a shorter run is its first part, and epsilon is not
@@ -43,7 +43,6 @@ The exit code is 1 when a bound is violated, the loop diverges, the tracking err
 stay below epsilon, or a torque exceeds its limit. Remarks at the end (a torque that shakes, a
 position or velocity beyond its limit) do not change it.
 
-\b
 Without --trajectory the motion is the file's own, else a default within the limits: rest to rest
 (quintic) through seeded waypoints, one about every 2.5 s, seed 0 whatever --seed says. The file's
 "initial:" state counts only with the file's own motion; other motions start on themselves.
@@ -102,7 +101,10 @@ def simulate(
     package: Package = None,
     json: Json = False,
 ) -> None:
-    """Simulate the closed loop of a robot whose true parameters the controller does not know."""
+    """Run the closed loop; the controller knows only the bounds.
+
+    The true parameters of the robot lie in their bounds; the controller does not know where.
+    """
     wanted, rate = seconds(duration), hertz(control_rate)
     from modrobust.cli.output import ProgressBar, note, print_json
     from modrobust.cli.simulate_start import Start

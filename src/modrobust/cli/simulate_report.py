@@ -1,11 +1,12 @@
-"""A simulated run as tables for people, in 80 columns."""
+"""A simulated run as tables for people, in 80 columns; labels are the keys of the JSON."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from modrobust.cli.output import number, show, table, times
+from modrobust.cli.output import number, show, table, times, words
+from modrobust.cli.verdict import print_verdict, truth
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -13,41 +14,31 @@ if TYPE_CHECKING:
     from modrobust.result import SimulationResult
     from modrobust.robot import Robot
 
+_PER_JOINT = ("tau_max", "tau_limit", "width_hull", "width_ianea", "ianea_over_hull")
+
 
 def print_run(robot: Robot, result: SimulationResult, motion: str | None) -> None:
     """Print what the issue of a run is, under its heading.
 
-    Bound, error, torques, widths, times, verdict, remarks.
-    `motion` is what the command line said about it.
+    `motion` is what the command line said about it. Of a run that diverged there is nothing to
+    say but why: every figure of it follows from that.
     """
     figures = result.summary()
     settings = figures["settings"]
     remark = robot.scenario_notes.get(settings["scenario"])
     show(*([] if remark is None else [f"Scenario {settings['scenario']}: {remark}."]))
-    show(_motion(robot, motion), *_notes(settings), _figures(figures, settings))
-    show("Largest torque, mean width of [Φ]", _joints(robot, figures))
+    show(_motion(robot, motion), *_notes(settings))
+    if figures["diverged"]:
+        show("")
+        print_verdict(robot, figures)
+        return
+    show(_figures(figures, settings))
+    show("Per joint: tau is the torque, width that of [Φ] in the mean", _joints(robot, figures))
     show(
         "Time per command",
-        times({f"this run ({settings['bound']}), in C": figures["command_time"]}),
+        times({f"this run ({settings['bound']}), in C": figures["command_time"]}, robot.name),
     )
-    reasons: Sequence[str] = figures["reasons"]
-    if figures["cut_short"]:
-        show(
-            f"Cut short: {settings['duration']:g} s of a motion of {settings['motion_time']:g} s; "
-            "whether the error stays below epsilon is not judged",
-            style="yellow",
-        )
-    if reasons:
-        show(*(f"Not good: {reason}" for reason in reasons), style="bold red")
-    else:
-        show(
-            "Good: bound kept, torques within limits"
-            if figures["cut_short"]
-            else "Good: bound kept, error within epsilon for good, torques within limits",
-            style="green",
-        )
-    opening = "Also" if reasons else "But"
-    show(*(f"{opening}: {remark}" for remark in figures["remarks"]), style="yellow")
+    print_verdict(robot, figures)
 
 
 def _motion(robot: Robot, motion: str | None) -> str:
@@ -66,16 +57,10 @@ def print_heading(settings: Mapping[str, Any]) -> None:
 
 
 def _headline(settings: Mapping[str, Any]) -> str:
-    truth = (
-        f"scenario {settings['scenario']}"
-        if settings["scenario"] is not None
-        else f"{settings['parameters']} parameters"
-        + (f", seed {settings['seed']}" if settings["parameters"] in ("corner", "random") else "")
-    )
     engine = "" if settings["plant"] == "builtin" else f", plant {settings['plant']}"
     return (
-        f"{settings['robot']}, {truth}: {settings['duration']:g} s, law {settings['law']}, "
-        f"bound {settings['bound']}{engine}"
+        f"{settings['robot']}, {truth(settings)}: {settings['duration']:g} s, law "
+        f"{settings['law']}, bound {settings['bound']}{engine}"
     )
 
 
@@ -91,46 +76,41 @@ def _notes(settings: Mapping[str, Any]) -> list[str]:
 
 
 def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Table:
-    rows = table("", "", left=2)
+    rows = table("", "", left=2, folded={1})
     entered = figures["epsilon_entered_at"]
-    epsilon = f"{settings['epsilon']:g}"
-    rows.add_row("violations of the bound", f"{figures['violations']} of {figures['ticks']} ticks")
-    rows.add_row(
-        f"tracking error below {epsilon}",
-        "not judged, cut short"
-        if figures["cut_short"]
-        else "not for good"
-        if entered is None
-        else f"for good from {entered:.4g} s",
-    )
-    rows.add_row("tracking error at the end", number(figures["error_final"]))
     largest = figures["error_max_after_entry"]
-    rows.add_row("  largest after entering for good", "-" if largest is None else f"{largest:.6g}")
-    rows.add_row(
-        "‖ρ‖, worst case of [Φ]",
-        f"mean {number(figures['rho_mean'])}, largest {number(figures['rho_max'])}",
-    )
+    shown = {
+        "violations": f"{figures['violations']} of {figures['ticks']} ticks, of the bound",
+        "epsilon_entered_at": (
+            f"not judged, cut short; epsilon {settings['epsilon']:g}"
+            if figures["cut_short"]
+            else f"{'never' if entered is None else f'{entered:.4g} s'} for good, "
+            f"epsilon {settings['epsilon']:g}"
+        ),
+        "error_final": f"{number(figures['error_final'])}, norm of the tracking error",
+        "error_max_after_entry": "-" if largest is None else f"{largest:.6g}",
+        "rho_mean": f"{number(figures['rho_mean'])}, ‖ρ‖, worst case of [Φ]",
+        "rho_max": number(figures["rho_max"]),
+    }
     noisy = figures["chattering"]
     if noisy is not None:
         worst = None if None in noisy else max(noisy)
         limit = figures["chattering_limit"]
         verdict = "beyond" if worst is None or worst > limit else "limit"
-        rows.add_row(
-            "torque variation, last 5 s",
-            f"{number(worst)} times that at 10 Hz ({verdict} {limit:g})",
+        shown["chattering"] = (
+            f"{number(worst)} times that at 10 Hz over the last 5 s ({verdict} {limit:g})"
         )
+    for key, text in shown.items():
+        rows.add_row(words(key), text)
     return rows
 
 
 def _joints(robot: Robot, figures: Mapping[str, Any]) -> Table:
-    rows = table("joint", "", "torque", "limit", "[Φ] hull", "[Φ] ianea", "ratio", left=2)
+    rows = table("joint", "", *map(words, _PER_JOINT), left=2)
     for j, name in enumerate(robot.joint_names):
         rows.add_row(
             name,
             "N m" if robot.turns[j] else "N",
-            *(
-                number(None if figures[key] is None else figures[key][j])
-                for key in ("tau_max", "tau_limit", "width_hull", "width_ianea", "width_ratio")
-            ),
+            *(number(None if figures[key] is None else figures[key][j]) for key in _PER_JOINT),
         )
     return rows
