@@ -219,6 +219,53 @@ def test_not_reaching_epsilon_is_a_reason(arm: Robot) -> None:
     ]
 
 
+def test_the_length_of_a_run_does_not_change_its_motion(arm: Robot) -> None:
+    """Half a second of the default motion is its first part, not all of it in a hurry."""
+    part, longer = (short(arm, duration=d, control_rate=2e3) for d in (0.25, 0.5))
+    assert part.settings["motion_time"] == longer.settings["motion_time"] == 10.0
+    k = len(part.t)
+    np.testing.assert_array_equal(part.q_des, longer.q_des[:k])
+    np.testing.assert_array_equal(part.tau, longer.tau[:k])
+    assert np.abs(part.dq_des).max() < 0.5  # [rad/s]
+
+
+def test_a_run_that_is_cut_short_is_not_judged_on_epsilon(arm: Robot) -> None:
+    motion = Quintic(np.array([0.0, 0.3]), np.zeros((2, 2)))
+    options: dict[str, Any] = {"q0": [0.5, 0.5], "trajectory": motion, "control_rate": 2e3}
+    cut = short(arm, duration=0.01, **options)
+    assert (cut.cut_short, cut.summary()["cut_short"]) == (True, True)
+    assert cut.epsilon_entered_at is None
+    assert cut.reasons == []
+    assert cut.ok
+    weak = replace(arm, effort_limits=np.full(2, 1e-6))
+    assert all("needed" in reason for reason in short(weak, duration=0.01, **options).reasons)
+    whole = short(arm, duration=0.3, **options)
+    assert not whole.cut_short
+    assert (whole.epsilon_entered_at is None) == (len(whole.reasons) > 0)
+
+
+@pytest.mark.parametrize("kind", [Quintic, Splined])
+def test_beyond_the_end_of_a_motion_the_last_pose_is_held(arm: Robot, kind: Any) -> None:
+    motion = kind(np.array([0.0, 0.05, 0.1]), np.array([[0.0, 0.0], [0.02, 0.0], [0.02, 0.01]]))
+    run = short(arm, trajectory=motion)
+    assert not run.cut_short
+    after = run.t > 0.1 + 1e-9
+    assert after.any()
+    assert (run.q_des[after] == [0.02, 0.01]).all()
+    assert not run.dq_des[after].any()
+    assert not run.ddq_des[after].any()
+    told = [remark for remark in run.remarks if "under way at its last row" in remark]
+    assert len(told) == (kind is Splined)
+    assert short(arm, trajectory=motion, duration=0.1).remarks == []
+
+
+def test_progress_is_told_before_the_first_command(arm: Robot) -> None:
+    calls: list[tuple[float, float]] = []
+    short(arm, progress=lambda done, total: calls.append((done, total)))
+    assert calls[0] == (0.0, 0.2)
+    assert calls[-1] == (0.2, 0.2)
+
+
 def test_a_torque_beyond_its_limit_is_a_reason(arm: Robot) -> None:
     weak = replace(arm, effort_limits=np.array([np.inf, 1e-3]))
     run = short(weak)
@@ -415,11 +462,6 @@ def test_a_log_that_cannot_be_written_is_refused_and_nothing_is_left(
             {"trajectory": Quintic(np.array([0.0, 0.1]), np.array([[0.0, 0.0], [0.0, 1.5]]))},
             ValueRangeError,
             'trajectory: joint "link2.axis" is at',
-        ),
-        (
-            {"trajectory": Splined(np.array([0.0, 0.1]), np.zeros((2, 2)))},
-            ValueRangeError,
-            "duration: 0.2 s is longer than the motion, which ends at 0.1 s",
         ),
         ({"epsilon": -1.0}, ValueRangeError, "epsilon: -1; must be finite and not negative"),
     ],

@@ -254,7 +254,25 @@ def test_a_csv_round_trips_and_its_header_orders_the_columns(tmp_path: Path) -> 
             "commas",
         ),
         ("0,1,2\n1,1,2\n1,1,2\n", ":3: t: 1 s follows 1 s; times must increase"),
-        ("3,1,2\n4,1,2\n", ":1: t: 3 s; a motion starts at 0 s; subtract it from the column"),
+        (
+            "0;1;2\n1;1;2\n",
+            ":1: columns separated by semicolons; a CSV file has commas between its columns, and a "
+            "point in its numbers; replace them",
+        ),
+        (
+            "t;link1.axis;link2.axis\n0;1,5;2\n",
+            ":1: columns separated by semicolons; a CSV file has commas between its columns, and a "
+            "point in its numbers; replace them",
+        ),
+        (
+            "0\t1\t2\n1\t1\t2\n",
+            ":1: columns separated by tabs; a CSV file has commas between its columns, and a "
+            "point in its numbers; replace them",
+        ),
+        (
+            "1e18,1,2\n1000000000000000010,1,2\n",
+            ":2: t: 1e+18 s follows 1e+18 s; times must increase",
+        ),
         (
             "t,link1.axis,link3.axis\n0,1,2\n",
             ':1: header: no joint "link3.axis"; did you mean "link2.axis"? '
@@ -341,14 +359,56 @@ def test_a_useless_duration_is_refused(duration: float) -> None:
         check_duration(duration)
 
 
-def test_a_run_longer_than_a_splined_motion_is_refused() -> None:
-    motion = Splined(np.array([0.0, 1.0]), np.array([[0.0], [1.0]]))
+class Ends(Splined):
+    """A motion of somebody else's that is not defined beyond its last row."""
+
+    @property
+    def end(self) -> float:
+        return float(self.times[-1])
+
+
+def test_a_run_longer_than_a_motion_that_ends_is_refused() -> None:
+    motion = Ends(np.array([0.0, 1.0]), np.array([[0.0], [1.0]]))
     check_duration(1.0, motion)
     with pytest.raises(ValueRangeError) as caught:
         check_duration(2.0, motion)
     assert str(caught.value) == (
         "duration: 2 s is longer than the motion, which ends at 1 s; shorten it or add rows"
     )
+
+
+def test_a_splined_motion_is_held_at_its_last_row() -> None:
+    motion = Splined(np.array([0.0, 1.0, 2.0]), np.array([[0.0], [1.0], [0.5]]))
+    q, dq, ddq = motion.sample([2.0, 2.0 + 1e-9, 50.0])
+    np.testing.assert_allclose(q[:, 0], 0.5, atol=1e-15)
+    assert dq[0, 0] != 0.0  # it comes to its last row under way
+    assert dq[1:].tolist() == ddq[1:].tolist() == [[0.0], [0.0]]
+    check_duration(50.0, motion)
+
+
+@pytest.mark.parametrize("start", ["-4", "3", "1700000000.25"])
+def test_a_file_may_start_at_any_time(tmp_path: Path, start: str) -> None:
+    rows = [f"{float(start) + t!r},{q},0" for t, q in ((0.0, 0.0), (0.5, 0.3), (1.25, 0.1))]
+    motion = make_trajectory(chain(), write(tmp_path, "\n".join(rows)))
+    assert isinstance(motion, Splined)
+    assert motion.times.tolist() == [0.0, 0.5, 1.25]
+    assert motion.duration == 1.25
+    np.testing.assert_allclose(motion.sample([0.0, 0.5])[0][:, 0], [0.0, 0.3], atol=1e-15)
+
+
+def test_tabs_and_blanks_beside_commas_are_no_separators(tmp_path: Path) -> None:
+    motion = make_trajectory(chain(), write(tmp_path, "0,\t1, 2\n1 ,1,\t2\n"))
+    assert motion.duration == 1.0
+
+
+def test_the_time_of_the_default_motion_is_that_of_the_file() -> None:
+    own = replace(chain(), trajectory=TrajectorySettings("quintic", 25.0))
+    for spec in (None, "quintic"):
+        motion = make_trajectory(own, spec)
+        assert isinstance(motion, Quintic)
+        assert (motion.duration, len(motion.times)) == (25.0, 11)
+    assert make_trajectory(chain(), "quintic").duration == 10.0
+    assert make_trajectory(own, "quintic", 5.0).duration == 5.0
 
 
 @pytest.mark.parametrize(

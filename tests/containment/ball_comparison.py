@@ -118,13 +118,30 @@ def _state(robot: Robot, query: Query, as_given: bool) -> State:
         dq_a, ddq_a = ([arb(x) for x in v.tolist()] for v in (query.dq_a, query.ddq_a))
         return State(q, dq, dq_a, ddq_a)
     K_r = [arb(k) for k in robot.controller.K_r]
-    q_des, dq_des, ddq_des = ([arb(x) for x in v.tolist()] for v in query.signals[2:])
+    _, dq_des, ddq_des = ([arb(x) for x in v.tolist()] for v in query.signals[2:])
     return State(
         q,
         dq,
-        [v + k * (x_des - x) for v, k, x_des, x in zip(dq_des, K_r, q_des, q, strict=True)],
+        [
+            v + k * e
+            for v, k, e in zip(dq_des, K_r, exact_errors(robot, query.signals), strict=True)
+        ],
         [a + k * (v_des - v) for a, k, v_des, v in zip(ddq_des, K_r, dq_des, dq, strict=True)],
     )
+
+
+def exact_errors(robot: Robot, signals: Signals) -> list[arb]:
+    """e of (4) with the whole turns that the kernel chose, and 2 pi itself."""
+    found = robot.tracking_error(signals.q, signals.q_des)
+    errors = []
+    for q, q_des, e, wraps in zip(signals.q, signals.q_des, found, robot.wraps, strict=True):
+        error = arb(float(q_des)) - arb(float(q))
+        if wraps:
+            assert abs(e) <= np.pi
+            turns = round(float((error - arb(float(e))) / (2 * arb.pi())))
+            error -= 2 * arb.pi() * turns
+        errors.append(error)
+    return errors
 
 
 def exact_torques(robot: Robot, rows: Coefficients, points: Any, signs: list[list[arb]]) -> Torques:

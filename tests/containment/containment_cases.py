@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 from ball_comparison import PRECISION, Change, Outcome, check_state
-from extreme_states import random_signals
+from extreme_states import random_signals, some_turns_off
 from flint import ctx
 from kinds import kinds_of_robot, kinds_of_state
-from parameter_boxes import make_robot, skewed
+from parameter_boxes import endless, make_robot, skewed
 from written_robots import Written, random_written
 
 from modrobust.robot import Robot
@@ -43,7 +43,13 @@ def robot_of(seed: int) -> Case:
     written = random_written(rng, n, followers, sparse)
     robot = make_robot(rng, written, sparse)
     skew = rng.random() < 0.1
-    return Case(rng, written, skewed(rng, robot) if skew else robot, skew, sparse)
+    robot = skewed(rng, robot) if skew else robot
+    return Case(rng, written, endless(apart(seed), robot), skew, sparse)
+
+
+def apart(seed: int) -> np.random.Generator:
+    """What decides on turns, so that all else of a seed stays as it is without them."""
+    return np.random.default_rng([5, seed])
 
 
 def run_seed(seed: int, change: Change | None = None) -> Outcome:
@@ -54,6 +60,7 @@ def run_seed(seed: int, change: Change | None = None) -> Outcome:
     for number in range(STATES):
         exact = not skew and rng.random() < 0.5
         kind, signals = random_signals(rng, robot, sparse)
+        signals = some_turns_off(apart(STATES * seed + number), robot, signals)
         as_given = bool(rng.random() < 0.2)  # (4) in real arithmetic too
         label = f"seed {seed} state {number} ({kind}, {'written' if exact else 'doubles'})"
         model = written if exact else None

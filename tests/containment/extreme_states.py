@@ -99,10 +99,18 @@ def random_signals(
     return kind, Signals(q, dq, q_des, dq_des, ddq_des)
 
 
+def some_turns_off(rng: np.random.Generator, robot: Robot, signals: Signals) -> Signals:
+    """The desired angles of joints that wrap by up to 15,000 turns off, to the nearest double."""
+    turns = rng.choice([0, 0, 1, -1, 2, -17, int(rng.integers(-15000, 15001))], robot.n)
+    q_des = np.where(robot.wraps, signals.q_des + 2.0 * np.pi * turns, signals.q_des)
+    inside = np.where(robot.wraps, np.clip(q_des, -1e5, 1e5), q_des)
+    return signals._replace(q_des=inside)
+
+
 def auxiliary(robot: Robot, signals: Signals) -> tuple[Any, Any]:
     """dq_a and ddq_a of (4) in doubles, the operations of the kernel in its order."""
     K_r = np.array(robot.controller.K_r)
     return (
-        signals.dq_des + K_r * (signals.q_des - signals.q),
+        signals.dq_des + K_r * robot.tracking_error(signals.q, signals.q_des),
         signals.ddq_des + K_r * (signals.dq_des - signals.dq),
     )

@@ -51,6 +51,7 @@ LEAST = {
     "rates above 1e3": 0.1,
     "read as (4)": 0.1,
     "tree": 0.1,
+    "whole turns taken off": 0.09,
     "followers": 0.09,
     "link without a body": 0.09,
     "body known to a bit": 0.08,
@@ -152,7 +153,7 @@ def _kinds_of_box(robot: Robot) -> set[str]:
 def kinds_of_state(robot: Robot, signals: Signals) -> set[str]:
     """Sizes of the signals, and how they hang together."""
     q, dq, _, dq_des, ddq_des = (np.abs(x) for x in signals)
-    free: Any = np.array([kind == "revolute" for kind in robot.joint_types[: robot.n]])
+    free: Any = robot.turns[: robot.n]
     rates = np.concatenate([dq, dq_des, ddq_des])
     moving = rates[rates > 0.0]
     turns = q[free] / (np.pi / 2)
@@ -173,6 +174,7 @@ def kinds_of_state(robot: Robot, signals: Signals) -> set[str]:
         "torques that cancel": u0.any() and (np.abs(u0) < 1e3 * error).all(),
         "usual": moving.size and 0.1 < moving.max() < 30.0,
         "no error of position": np.array_equal(signals.q, signals.q_des),
+        "whole turns taken off": (np.abs(signals.q_des - signals.q)[robot.wraps] > np.pi).any(),
         "error of position": not np.array_equal(signals.q, signals.q_des),
         "no error of velocity": dq.any() and np.array_equal(signals.dq, signals.dq_des),
     }

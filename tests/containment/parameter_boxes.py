@@ -142,6 +142,17 @@ def make_robot(rng: np.random.Generator, written: Written, sparse: bool = False)
     )
 
 
+def endless(rng: np.random.Generator, robot: Robot) -> Robot:
+    """The robot, one in three with most of its turning joints continuous."""
+    if rng.random() > 0.35:
+        return robot
+    types = (
+        "continuous" if kind == "revolute" and rng.random() < 0.7 else kind
+        for kind in robot.joint_types
+    )
+    return replace(robot, joint_types=tuple(types))
+
+
 def skewed(rng: np.random.Generator, robot: Robot) -> Robot:
     """The robot with rotations off orthonormal by up to what `Robot` accepts, 1e-9."""
     changed = {}

@@ -250,6 +250,10 @@ static void take_case(fuzz_case *c, const uint8_t *data, size_t size) {
     c->gains.phi_P = take_double(&in);
     c->gains.phi_I = take_double(&in);
     c->gains.epsilon = take_double(&in);
+    int32_t *wraps = allocate(c, (size_t)n * sizeof *wraps); /* last: older inputs have none */
+    for (int32_t i = 0; i < n; ++i)
+        wraps[i] = (take_byte(&in) & 1) && c->model.joint_type[i] == MR_REVOLUTE;
+    c->model.wraps = wraps;
 }
 
 #endif

@@ -57,6 +57,7 @@ def encode(robot: mr.Robot, rng: np.random.Generator) -> bytes:
     out.append(numbers(rng.normal(size=5 * robot.n)))
     out.append(b"\x01" + numbers([0.0, 1e-3, *np.broadcast_to(c.K_r, robot.n)]))
     out.append(numbers([c.kappa_P, c.kappa_I, c.phi_P, c.phi_I, c.epsilon]))
+    out.append(bytes(robot.wraps.tolist()))
     return b"".join(out)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,10 @@ WIDTHS = ("exact", "narrow", "wide", "mixed")
 
 
 def robots(seed: int, count: int) -> Iterator[Robot]:
-    """Chains and trees of 1 to 9 joints, every second one with followers, boxes of every kind."""
+    """Chains and trees of 1 to 9 joints, every second one with followers, boxes of every kind.
+
+    Every third one has joints that wrap, unless their followers do not.
+    """
     rng = np.random.default_rng(seed)
     for k in range(count):
         robot = random_robot(
@@ -29,6 +33,9 @@ def robots(seed: int, count: int) -> Iterator[Robot]:
             width=WIDTHS[k % len(WIDTHS)],  # type: ignore[arg-type]
             drives=k % 3 != 0,
         )
+        if k % 3 == 1:
+            endless = {"revolute": "continuous", "prismatic": "prismatic"}
+            robot = replace(robot, joint_types=tuple(endless[kind] for kind in robot.joint_types))
         yield tied(robot, int(rng.integers(1, robot.n)), rng) if k % 2 and robot.n > 1 else robot
 
 
