@@ -107,7 +107,7 @@ def test_a_package_whose_folder_is_not_known_is_named_with_the_remedy(tmp_path: 
     )
     with pytest.raises(mr.ModrobustError, match='folder of package "robot" is not given; did you'):
         mr.load_robot("package://robot/x.urdf", packages={"robots": tmp_path / "robots"})
-    with pytest.raises(mr.ModrobustError, match="packages.parts: no directory"):
+    with pytest.raises(mr.ModrobustError, match=r"packages\.parts: no directory"):
         mr.load_robot(path, packages={"parts": tmp_path / "none"})
     with pytest.raises(mr.ModrobustError, match="is not package://NAME/PATH"):
         mr.load_robot("package://robots", packages={"robots": tmp_path / "robots"})
@@ -134,7 +134,7 @@ def test_hrdf_is_named_and_not_read(tmp_path: Path) -> None:
     text = '<robot version="1.6.0"><actuator type="X8-9"/></robot>'
     for name in ("arm.hrdf", "arm.HRDF"):
         path = written(tmp_path, text, name)
-        with pytest.raises(mr.ModrobustError, match="HEBI's HRDF.*it is not read"):
+        with pytest.raises(mr.ModrobustError, match=r"HEBI's HRDF.*it is not read"):
             mr.load_robot(path)
     over = written(tmp_path, "modrobust: 1\nrobot: over\nurdf: arm.hrdf\n", "over.yaml")
     with pytest.raises(mr.ModrobustError, match="HEBI's HRDF"):

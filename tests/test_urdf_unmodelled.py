@@ -71,6 +71,8 @@ BESIDE = {
     ],
     '<gazebo reference="turn"><springStiffness>0</springStiffness></gazebo>': [],
     '<gazebo reference="turn"><implicitSpringDamper>1</implicitSpringDamper></gazebo>': [],
+    '<gazebo reference="turn"><joint><axis><dynamics><damping>5</damping><friction>0</friction>'
+    "</dynamics></axis></joint></gazebo>": ["turn.gazebo damping"],
     '<gazebo reference="arm"><kp>1e6</kp><mu1>0.5</mu1><turnGravityOff>true</turnGravityOff>'
     "</gazebo>": ["arm.gazebo turnGravityOff true"],
     '<gazebo reference="base"><turnGravityOff>true</turnGravityOff></gazebo>': [],
@@ -103,6 +105,8 @@ def test_what_makes_torque_inside_a_joint_is_named(tmp_path: Path) -> None:
         "turn.joint_properties damping"
     ]
     assert named(arm(tmp_path, inside='<joint_properties damping="0" friction="0"/>')) == []
+    motor = '<hardware><motor rotor_inertia="1e-4"/></hardware>'
+    assert named(arm(tmp_path, inside=motor)) == ["turn.motor rotor_inertia"]
 
 
 def test_what_a_locked_joint_says_is_not_missed(tmp_path: Path) -> None:
