@@ -229,9 +229,12 @@ def test_base_and_tip_select_a_chain(tmp_path: Path) -> None:
     arm = mr.load_robot(path, base="a", tip="e")
     assert arm.joint_names == ("d1", "e1")
     assert arm.body_names == ("a", "d", "e")
-    assert arm.notes[-2:] == (
+    assert arm.notes[-3:] == (
         "left out behind joint b1, since the chain ends at e: b, plate, c (5 kg)",
         "left out behind joint tool1, since the chain ends at e: f (2 kg)",
+        "upright is the root base of the URDF; between it and the base a moves what is held still "
+        "here: joint a1 at 0 rad; where it stands elsewhere, gravity has another direction: lock "
+        "it there (lock:), or turn the root (base: {rpy})",
     )
     ends = mr.load_robot(path, base="a", tip="tool")
     q = np.array([0.3, -0.4])

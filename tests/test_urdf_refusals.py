@@ -106,16 +106,61 @@ JOINTS = {
         '<axis xyz="0 0 0"/>' + LIMIT,
         ":3: joint turn, axis: the axis is 0 0 0; an axis has a direction; write e.g. 0 0 1",
     ),
-    "no limits": (
-        AXIS,
-        ":3: joint turn, limits: no lower and upper, velocity, effort; a revolute joint has limits "
-        "of position, velocity and effort; add them, or give them in an assembly file (joints: "
-        "{turn: {limits: ...}})",
+    "slip in the origin": (
+        '<origin xzy="0 0 0.3"/>' + AXIS + LIMIT,
+        ':3: joint turn: unknown attribute "xzy" of <origin>; did you mean "xyz"? correct it',
     ),
-    "no effort": (
-        AXIS + '<limit lower="-1" upper="1" velocity="1"/>',
-        ":3: joint turn, limits: no effort; a revolute joint has limits of position, velocity and "
-        "effort; add them, or give them in an assembly file (joints: {turn: {limits: ...}})",
+    "axis of another format": (
+        '<axis value="0 0 1"/>' + LIMIT,
+        ':3: joint turn: unknown attribute "value" of <axis>; did you mean "xyz"? correct it',
+    ),
+    "axis turned besides": (
+        '<axis xyz="0 0 1" rpy="0 0.5 0"/>' + LIMIT,
+        ':3: joint turn: unknown attribute "rpy" of <axis>; known: xyz; correct it',
+    ),
+    "limit of another format": (
+        AXIS + '<limit min="-1" upper="1" effort="1" velocity="1"/>',
+        ':3: joint turn: unknown attribute "min" of <limit>; did you mean "lower"? correct it',
+    ),
+    "limit in degrees": (
+        AXIS + '<limit lower="-90" upper="90" unit="deg" effort="1" velocity="1"/>',
+        ':3: joint turn: unknown attribute "unit" of <limit>; known: lower, upper, effort, '
+        "velocity, acceleration, drake:acceleration, deceleration, jerk; correct it",
+    ),
+    "slip in the dynamics": (
+        AXIS + LIMIT + '<dynamics dampng="1"/>',
+        ':3: joint turn: unknown attribute "dampng" of <dynamics>; did you mean "damping"? correct '
+        "it",
+    ),
+    "dynamics as elements": (
+        AXIS + LIMIT + "<dynamics><damping>1</damping></dynamics>",
+        ':3: joint turn: an element <damping> inside <dynamics>; did you mean "damping"? its '
+        "figures are attributes; write them so",
+    ),
+    "axis as text": (
+        "<axis>0 0 1</axis>" + LIMIT,
+        ':3: joint turn: the text "0 0 1" inside <axis>; its figures are attributes (xyz); write '
+        "them so",
+    ),
+    "mimic of another format": (
+        AXIS + LIMIT + '<mimic joint="turn" ratio="2"/>',
+        ':3: joint turn: unknown attribute "ratio" of <mimic>; did you mean "multiplier"? correct '
+        "it",
+    ),
+    "quaternion before it was one": (
+        '<origin quat_xyzw="0 0 0 1"/>' + AXIS + LIMIT,
+        ":3: joint turn, quat_xyzw: in a URDF of version 1, whose readers pass over it; a "
+        'quaternion belongs to version 1.1; write <robot ... version="1.1">, or rpy',
+    ),
+    "one end far away": (
+        AXIS + '<limit lower="-1e16" upper="1" effort="1" velocity="1"/>',
+        ':3: joint turn, limits: lower limit "-1e16" alone is beyond 100000; a joint has two '
+        "limits or none; write both, neither for a joint without, or give them in an assembly file "
+        "(joints: {turn: {limits: {position: [..., ...]}}})",
+    ),
+    "armature below 0": (
+        AXIS + LIMIT + '<dynamics armature="-1"/>',
+        ":3: joint turn, drive.rotor_inertia: -1 is negative; it is at least 0; correct it",
     ),
     "reversed limits": (
         AXIS + '<limit lower="1" upper="-1" effort="1" velocity="1"/>',
@@ -125,7 +170,8 @@ JOINTS = {
     "limits that leave no room": (
         AXIS + '<limit lower="0" upper="0" effort="1" velocity="1"/>',
         ":3: joint turn, limits: lower and upper limit are both 0; such a joint cannot move; "
-        "correct them, or freeze it with --lock turn=0 (lock: {turn: 0})",
+        'correct them, write type="continuous" if it turns without end, or freeze it '
+        "(lock: {turn: 0})",
     ),
     "negative effort": (
         AXIS + '<limit lower="-1" upper="1" effort="-1" velocity="1"/>',
@@ -243,7 +289,7 @@ ROBOTS = {
         robot(BASE, TURN, ARM, link("tip", ""), joint("last", "arm", "tip")),
         ":6: joint last: no link behind it has mass (tip); what moves has mass and inertia; "
         "complete the <inertial>, give it in an assembly file (links: {tip: {mass: ..., com: ..., "
-        "inertia: ...}}), or freeze the joint with --lock last=VALUE",
+        "inertia: ...}}), or freeze the joint (lock: {last: ...})",
     ),
     "nothing moves": (
         robot(BASE, joint("weld", "base", "arm", "fixed", ""), ARM),
@@ -260,6 +306,22 @@ ROBOTS = {
         ":3: <origin>: xacro that was not expanded; a URDF holds plain numbers; name the file "
         '.xacro and install the package "xacro" (pip install "modrobust[xacro]"), or expand it '
         "first: xacro FILE > robot.urdf",
+    ),
+    "a prefix that is not declared": (
+        robot(BASE, TURN, ARM, "<drake:linear_bushing_rpy/>"),
+        ':5: the prefix "drake:" is not declared; XML declares a prefix before it is used; add '
+        'xmlns:drake="http://drake.mit.edu" to <robot>',
+    ),
+    "a version to come": (
+        GOOD.replace('name="small"', 'name="small" version="2.0"'),
+        ':1: robot: version "2.0"; URDF 1.0, 1.1 and 1.2 are read, and another version may mean '
+        'other things by the same words; save the file as one of these (version="1.0" where the '
+        "number is the robot's own)",
+    ),
+    "HRDF in the clothes of a URDF": (
+        '<robot version="1.6.0"><actuator type="X8-9"/><link type="X5" extension="0.3"/></robot>',
+        ":1: a robot of HEBI's HRDF, which names products and whose figures stand in HEBI's "
+        "library; it is not read; give a URDF of the robot, or an assembly file of its modules",
     ),
     "reduction of 0": (
         robot(

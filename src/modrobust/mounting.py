@@ -22,6 +22,7 @@ from modrobust.formats import (
     NestedItem,
     instance_names,
 )
+from modrobust.formats.faults import Faults
 from modrobust.geometry import Transform, rotation_z
 from modrobust.mating import RULE, clocking_problem, describe, mating_problem
 from modrobust.robot import ModuleNode
@@ -79,7 +80,14 @@ def mount_chain(assembly: Assembly) -> Mounted:
             two instances have one name.
     """
     mounter = _Mounter(Library(assembly.modules))
-    nodes = mounter.chain(assembly.chain, prefix="", inside=())
+    faults = Faults()
+    none: tuple[ModuleNode, ...] = ()
+    nodes = faults.attempt(lambda: mounter.chain(assembly.chain, prefix="", inside=()), none)
+    if faults.found:  # then those of the other modules too
+        for index, item in enumerate(assembly.chain):
+            with faults.caught():
+                mounter.load(item, f"chain[{index}]", ())
+    faults.stop()
     return Mounted(tuple(mounter.steps), nodes, tuple(mounter.remarks()))
 
 
@@ -113,7 +121,7 @@ class _Mounter:
                 below = None
                 continue
             field = f"chain[{index}]"
-            module = self._load(item, field, inside)
+            module = self.load(item, field, inside)
             if below is not None:
                 _check_mating(below, module, item, field)
             nodes.append(self._mount(module, item, f"{prefix}{next(names)}", inside))
@@ -128,7 +136,8 @@ class _Mounter:
         else:
             self.steps.append(SpanStep(item.span))
 
-    def _load(self, item: NestedItem, field: str, inside: tuple[str, ...]) -> Module:
+    def load(self, item: NestedItem, field: str, inside: tuple[str, ...]) -> Module:
+        """The module that an entry of a chain mounts."""
         if item.module in inside:
             cycle = [*inside[inside.index(item.module) :], item.module]
             raise item.where.error(

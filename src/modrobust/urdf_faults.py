@@ -26,7 +26,8 @@ class UrdfFaults(Faults):
             yield
         except DescriptionError as fault:
             self.add(fault)
-            if fault.field.startswith(f"joint {name}, limits") and "position" in fault.message:
+            limits = f"joint {name}, limits"
+            if fault.field == limits or fault.field.startswith(f"{limits}.position"):
                 self.joints.append(name)
 
     @contextmanager
@@ -42,8 +43,9 @@ class UrdfFaults(Faults):
         self.add(fault)
         faults = fault.faults if isinstance(fault, SeveralFaultsError) else (fault,)
         turned = link.inertial is not None and link.inertial.turned
-        known = set(link.faults) if link.faults else figures_of(faults, link.name, turned)
-        self.links.setdefault(link.name, set()).update(known)
+        own = {key for key, found in link.faults.items() if found in faults}
+        figures = own | figures_of(faults, link.name, turned)
+        self.links.setdefault(link.name, set()).update(figures)
 
     def add_massless(self, link: str, fault: DescriptionError) -> None:
         """A link that moves and has no figures at all."""

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TypeVar
 
+from modrobust.errors import DescriptionError
 from modrobust.formats import JointItem, ListNode, MapNode, Node, Quantity, ScalarNode, Where
 from modrobust.formats.bodies import Masses, Six, read_inertia, read_masses
 from modrobust.formats.faults import Faults
@@ -64,7 +65,8 @@ def read_body(
     given = overlay.node.entries if overlay is not None else {}
     if inertial is None or "about" in getattr(given.get("inertia"), "entries", {}):
         _need_all(link, overlay, owner, inertial is None)
-    _need_faultless(link, given)
+    faults = Faults()
+    faults.add(*_unmended(link, given))
     turned = inertial is not None and inertial.turned
     whole = "com" in given and "inertia" in given and _is_whole(given["inertia"])
     if turned and not whole and ("com" in given or "inertia" in given):
@@ -77,19 +79,34 @@ def read_body(
         )
     in_inertial_frame = turned and not whole
     mass, com, tensor = _nodes(link, given, in_inertial_frame)
-    if inertial is not None and inertial.mass.value == 0.0 and "mass" not in given:
-        raise inertial.mass.node.where.error(
-            f"{owner}, mass",
-            "0 kg with an inertia tensor that is not 0; a body has both or neither; correct the "
-            f"file or give the mass (links: {{{link.name}: {{mass: ...}}}})",
-        )
     prefix = f"{owner}, "
-    masses = read_masses(mass, com, prefix, tolerances)
+    masses = _some_masses(mass)
+    if "mass" not in link.faults or "mass" in given:
+        with faults.caught():
+            if inertial is not None and inertial.mass.value == 0.0 and "mass" not in given:
+                raise inertial.mass.node.where.error(
+                    f"{owner}, mass",
+                    "0 kg with an inertia tensor that is not 0; a body has both or neither; "
+                    f"correct the file or give the mass (links: {{{link.name}: {{mass: ...}}}})",
+                )
+            masses = read_masses(mass, com, prefix, tolerances)
     if is_point(link, overlay):
+        faults.stop()
         return masses, (_ZERO,) * 6, "com", in_inertial_frame, True
+    about = "about" in getattr(given.get("inertia"), "entries", {})
+    if faults.found and about:  # the tensor is moved with a mass that is not known
+        faults.stop()
     model = _model(InertiaModel, tensor, owner)
-    inertia, physical = read_inertia(model, masses, prefix, tolerances)
+    with faults.caught():
+        inertia, physical = read_inertia(model, masses, prefix, tolerances)
+    faults.stop()
     return masses, inertia, model.about or "com", in_inertial_frame, physical
+
+
+def _some_masses(mass: Node) -> Masses:
+    """A body of 1 kg at its frame, with which a tensor is checked where the mass is at fault."""
+    one, zero = ScalarNode("1", mass.where), ScalarNode("0", mass.where)
+    return read_masses(one, ListNode((zero,) * 3, mass.where), "", Tolerances(None))
 
 
 def _need_all(link: Link, overlay: LinkOverlay | None, owner: str, no_inertial: bool) -> None:
@@ -104,16 +121,12 @@ def _need_all(link: Link, overlay: LinkOverlay | None, owner: str, no_inertial: 
         )
 
 
-def _need_faultless(link: Link, given: Mapping[str, Node]) -> None:
-    """Raises what is wrong in the URDF, unless the overlay gives that figure."""
+def _unmended(link: Link, given: Mapping[str, Node]) -> list[DescriptionError]:
+    """What is wrong in the URDF and stands, because the overlay does not give that figure."""
     whole = "inertia" in given and _is_whole(given["inertia"])
-    faults = Faults()
-    for key, fault in link.faults.items():
-        # Where the origin is not known, neither are the axes of the tensor.
-        mended = {"mass": key in given, "inertia": whole, "com": "com" in given and whole}
-        if not mended[key]:
-            faults.add(fault)
-    faults.stop()
+    # Where the origin is not known, neither are the axes of the tensor.
+    mended = {"mass": "mass" in given, "inertia": whole, "com": "com" in given and whole}
+    return [fault for key, fault in link.faults.items() if not mended[key]]
 
 
 def _is_whole(inertia: Node) -> bool:

@@ -156,7 +156,7 @@ class JointReader:
         return read
 
     def _dynamics(self, element: Element, name: str, owner: str) -> dict[str, Number | None]:
-        self.unmodelled.of_joint(name, in_joint(element, JOINT))
+        self.unmodelled.of_joint(name, in_joint(element))
         dynamics = element.one("dynamics", owner)
         if dynamics is not None:
             self.unmodelled.of_joint(name, in_dynamics(dynamics, owner))

@@ -107,17 +107,19 @@ def in_dynamics(dynamics: Element, owner: str) -> list[str]:
     return [key for key in given if _says_something(dynamics.attributes[key])]
 
 
+_CORE = ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic", "calibration",
+         "safety_controller", "joint_properties")  # fmt: skip
 _READ = ("damping", "friction", "armature")
 
 
-def in_joint(joint: Element, core: Sequence[str]) -> list[str]:
+def in_joint(joint: Element) -> list[str]:
     """Words of a joint's attributes, and of its elements that are not of the format."""
     words = [
         key for key, value in joint.attributes.items()
         if _word(key) in _ANYWHERE and _word(key) != "armature" and _says_something(value)
     ]  # fmt: skip
     for child in joint.children:
-        if child.tag not in core:
+        if child.tag not in _CORE:
             words += _inside(child)
     for child in joint.all("joint_properties"):
         words += [
@@ -148,7 +150,8 @@ def around(root: Element, found: Unmodelled) -> None:
         elif child.tag == "gazebo":
             reference = child.attributes.get("reference", "")
             if reference in joints:
-                found.of_joint(reference, (f"gazebo {word}" for word in _inside(child)))
+                words = _inside(child, "damping", "friction")
+                found.of_joint(reference, (f"gazebo {word}" for word in words))
             elif reference:
                 words = [f"gazebo {word}" for word in (*_inside(child), *_weightless(child))]
                 found.links.setdefault(reference, []).extend(words)
@@ -177,7 +180,7 @@ def _mujoco(block: Element) -> Iterator[str]:
                 f"mujoco option {key}" for key in ("gravity", "wind") if key in part.attributes
             )
         else:
-            yield from (f"mujoco {word}" for word in _inside(part))
+            yield from (f"mujoco {word}" for word in _inside(part, "damping"))
 
 
 def _weightless(element: Element) -> list[str]:
@@ -194,8 +197,9 @@ def _weightless(element: Element) -> list[str]:
     ]  # fmt: skip
 
 
-def _inside(element: Element) -> list[str]:
+def _inside(element: Element, *more: str) -> list[str]:
     """Words anywhere in an element, itself included, whose figures are not 0."""
+    known = _ANYWHERE.union(more)
     words = []
     pending = [element]
     while pending:
@@ -205,12 +209,12 @@ def _inside(element: Element) -> list[str]:
             continue
         pending += part.children
         figures = [part.text, *part.attributes.values()]
-        if word in _ANYWHERE and any(_says_something(text) for text in figures if text):
+        if word in known and any(_says_something(text) for text in figures if text):
             words.append(part.tag)
         words += [
             f"{part.tag} {key}"
             for key, value in part.attributes.items()
-            if _word(key) in _ANYWHERE and _says_something(value)
+            if _word(key) in known and _says_something(value)
         ]
     return words
 

@@ -176,7 +176,7 @@ def test_numbers_stay_whole_in_a_narrow_terminal(tmp_path: Path, width: int) -> 
 def test_the_mounting_is_shown_where_it_is_not_the_default(run) -> None:
     text = run("assemble", "concert-wall").stdout
     assert "Base in the world: xyz [0 0 1.2] m, rpy [0 90 0] deg.\n" in text
-    assert "Gravity in base axes: [9.81 0 0] m/s^2.\n" in text
+    assert "Gravity in base axes: [9.81 0 0] m/s^2, along +x.\n" in text
     assert "\nD-H base [" in text
     assert "\nD-H tool [" in text
     assert "Gravity" not in run("assemble", "lwa4p-paper").stdout
@@ -186,7 +186,7 @@ def test_gravity_of_another_place_is_shown_without_a_mounting(run, tmp_path: Pat
     text = "modrobust: 1\nrobot: moon\ngravity: [0, 0, -1.62]\nchain: [schunk-pb-large-1]\n"
     (tmp_path / "moon.yaml").write_text(text)
     shown = run("assemble", "moon.yaml").stdout
-    assert "Gravity in base axes: [0 0 -1.62] m/s^2.\n" in shown
+    assert "Gravity in base axes: [0 0 -1.62] m/s^2, along -z.\n" in shown
     assert "Base in the world" not in shown
 
 

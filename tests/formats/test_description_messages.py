@@ -5,7 +5,7 @@ from assembly_messages import ASSEMBLY_CASES
 from format_samples import ASSEMBLY, MODULE
 from module_messages import MODULE_CASES
 
-from modrobust.errors import DescriptionError
+from modrobust.errors import DescriptionError, SeveralFaultsError
 from modrobust.formats import load_assembly, load_module
 
 
@@ -53,8 +53,42 @@ def test_the_path_in_a_message_is_the_path_as_given(tmp_path):
         load_module("parts/../parts/arm.yaml")
 
 
-def test_an_unknown_key_is_told_before_the_faults_above_it(tmp_path):
-    text = MODULE.replace("name: Arm", "name: [Arm]").replace("mass: 2 kg", "masss: 2 kg")
+def test_all_faults_of_a_module_are_told_in_one_reading(tmp_path):
+    text = (
+        MODULE.replace("name: Arm", "name: [Arm]")
+        .replace("mass: 2 kg", "masss: 2 kg\n    colour: red")
+        .replace("type: revolute", "type: hinge")
+    )
     (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
-    with pytest.raises(DescriptionError, match=r'^arm\.yaml:18: body link: unknown key "masss"'):
+    with pytest.raises(SeveralFaultsError) as caught:
         load_module("arm.yaml")
+    told = str(caught.value).splitlines()
+    assert [line.split("; ")[0] for line in told] == [
+        "arm.yaml:3: name: a list",
+        'arm.yaml:12: joint axis, type: "hinge" is not allowed here',
+        'arm.yaml:18: body link: unknown key "masss"',
+        'arm.yaml:19: body link: unknown key "colour"',
+    ]
+    assert caught.value.line == 3
+
+
+def test_figures_of_all_entries_are_told_in_one_reading(tmp_path):
+    text = MODULE.replace("mass: 2 kg", "mass: -2 kg").replace("velocity: 1", "velocity: 0")
+    (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
+    with pytest.raises(SeveralFaultsError) as caught:
+        load_module("arm.yaml")
+    assert [fault.field for fault in caught.value.faults] == [
+        "joint axis, limits.velocity",
+        "body link, mass",
+    ]
+
+
+def test_all_faults_of_an_assembly_are_told_in_one_reading(tmp_path):
+    text = ASSEMBLY.replace("mass: [0 kg, 2 kg]", "mass: -1 kg").replace(
+        "[0, 0, -9.81", "[0, -9.81"
+    )
+    text = text.replace("modules: .\n", "")
+    (tmp_path / "r.yaml").write_text(text, encoding="utf-8")
+    with pytest.raises(SeveralFaultsError) as caught:
+        load_assembly("r.yaml")
+    assert {fault.field for fault in caught.value.faults} == {"gravity", "payload.mass"}

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from modrobust.formats.bodies import read_inertia, read_masses
 from modrobust.formats.exact import nearest
+from modrobust.formats.faults import Faults
 from modrobust.formats.fields import check
 from modrobust.formats.inertia import box_body, box_is_physical
 from modrobust.formats.items import (
@@ -39,6 +40,7 @@ from modrobust.formats.quantity import Quantity, parse_point, parse_vector
 from modrobust.formats.reader import read_description
 from modrobust.formats.span import points, pose_matrix
 from modrobust.formats.tolerance import Tolerances
+from modrobust.geometry import IDENTITY
 from modrobust.kernel import own_environment
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
@@ -68,30 +70,42 @@ def load_assembly(path: str | Path) -> Assembly:
     notes = list(model.notes or ())
     base = model.base
     scenarios = model.scenarios or {}
-    return Assembly(
+    faults = Faults()
+    attempt = faults.attempt
+    initial = (model.initial.q, model.initial.dq) if model.initial else (None, None)
+    assembly = Assembly(
         name=model.robot,
         file=Path(path),
-        modules=_directories(model, directory),
-        base=pose_matrix(base.xyz if base else None, base.rpy if base else None, "base"),
-        gravity=(GRAVITY if model.gravity is None else read_gravity(model.gravity)),
-        chain=_chain(model),
-        payload=None if model.payload is None else read_payload(model.payload, notes),
-        disturbance=_per_joint(model.disturbance, "disturbance", "effort", bounds=True),
-        controller=_controller(model.controller),
-        trajectory=_trajectory(model.trajectory, directory),
-        initial_q=_per_joint(model.initial.q if model.initial else None, "initial.q", "position"),
-        initial_dq=_per_joint(
-            model.initial.dq if model.initial else None, "initial.dq", "velocity"
+        modules=attempt(lambda: _directories(model, directory), ()),
+        base=attempt(
+            lambda: pose_matrix(base.xyz if base else None, base.rpy if base else None, "base"),
+            IDENTITY,
         ),
+        gravity=attempt(
+            lambda: GRAVITY if model.gravity is None else read_gravity(model.gravity), GRAVITY
+        ),
+        chain=attempt(lambda: _chain(model), ()),
+        payload=attempt(
+            lambda: None if model.payload is None else read_payload(model.payload, notes), None
+        ),
+        disturbance=attempt(
+            lambda: _per_joint(model.disturbance, "disturbance", "effort", bounds=True), None
+        ),
+        controller=attempt(lambda: _controller(model.controller), Controller()),
+        trajectory=attempt(lambda: _trajectory(model.trajectory, directory), None),
+        initial_q=attempt(lambda: _per_joint(initial[0], "initial.q", "position"), None),
+        initial_dq=attempt(lambda: _per_joint(initial[1], "initial.dq", "velocity"), None),
         scenarios={name: dict(scenario.set) for name, scenario in scenarios.items()},
         where=model.where,
-        urdf=_urdf(model, directory),
+        urdf=attempt(lambda: _urdf(model, directory), None),
         source=model.source or (),
         notes=tuple(notes),
         scenario_notes={
             name: " ".join(scenario.notes) for name, scenario in scenarios.items() if scenario.notes
         },
     )
+    faults.stop()
+    return assembly
 
 
 def read_gravity(node: Node) -> tuple[float, float, float]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from modrobust.errors import DescriptionError, SeveralFaultsError
+
+T = TypeVar("T")
 
 
 @dataclass
@@ -31,6 +34,12 @@ class Faults:
             yield
         except DescriptionError as fault:
             self.add(fault)
+
+    def attempt(self, read: Callable[[], T], instead: T) -> T:
+        """What `read` gives; `instead` where it refuses, which is kept."""
+        with self.caught():
+            return read()
+        return instead
 
     def stop(self, overlay: str = "") -> None:
         """Ends the reading where anything was found.

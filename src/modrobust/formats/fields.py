@@ -1,7 +1,7 @@
 """Field types of the models: each takes a node of the tree and says what it must be.
 
-Every refusal is a `Refusal` that carries its place; `check` turns the first one into a
-`DescriptionError` with the field's path.
+Every refusal is a `Refusal` that carries its place; `check` turns them into `DescriptionError`s
+with the field's path.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from pydantic import (
     ValidationError,
     model_validator,
 )
-from pydantic_core import PydanticCustomError, core_schema
+from pydantic_core import InitErrorDetails, PydanticCustomError, core_schema
 
-from modrobust.errors import DescriptionError
+from modrobust.formats.faults import Faults
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, kind_of, shown
 from modrobust.formats.structure import unknown_key
 from modrobust.names import did_you_mean
@@ -30,11 +30,9 @@ from modrobust.names import did_you_mean
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,99}")
 
 
-def refuse(where: Where, message: str, urgent: bool = False) -> PydanticCustomError:
-    """A refusal at a place; an urgent one is told before all others."""
-    return PydanticCustomError(
-        "refusal", "{message}", {"message": message, "where": where, "urgent": urgent}
-    )
+def refuse(where: Where, message: str) -> PydanticCustomError:
+    """A refusal at a place."""
+    return PydanticCustomError("refusal", "{message}", {"message": message, "where": where})
 
 
 class Part(BaseModel):
@@ -61,14 +59,25 @@ class Part(BaseModel):
         if not isinstance(value, MapNode):
             raise refuse(value.where, f"{kind_of(value)}; a mapping is expected; {cls._remedy()}")
         known = [info.alias or name for name, info in cls.model_fields.items()]
-        for key in value:
-            if key not in known:
-                raise refuse(value.place(key), unknown_key(key, known), urgent=True)
-        for name, info in cls.model_fields.items():
-            key = info.alias or name
-            if info.is_required() and key not in value.entries:
-                raise refuse(value.where, f'no "{key}"; this key is required; add {key}')
-        part = handler(value.entries)
+        told = [
+            InitErrorDetails(type=refuse(value.place(key), unknown_key(key, known)), input=None)
+            for key in value
+            if key not in known
+        ]
+        missing = [
+            InitErrorDetails(
+                type=refuse(value.where, f'no "{key}"; this key is required; add {key}'), input=None
+            )
+            for name, info in cls.model_fields.items()
+            if info.is_required() and (key := info.alias or name) not in value.entries
+        ]
+        told += [] if told else missing  # what is missing may stand under an unknown key
+        try:
+            part = handler({key: node for key, node in value.entries.items() if key in known})
+        except ValidationError as error:
+            told += _refusals(error)
+        if told:
+            raise ValidationError.from_exception_data(cls.__name__, told)
         part._node = value
         return part
 
@@ -76,6 +85,19 @@ class Part(BaseModel):
     def _remedy(cls) -> str:
         keys = ", ".join(info.alias or name for name, info in cls.model_fields.items())
         return f"write its keys: {keys}"
+
+
+def _refusals(error: ValidationError) -> list[InitErrorDetails]:
+    """What was refused further down; keys that pydantic misses are told already."""
+    return [
+        InitErrorDetails(
+            type=PydanticCustomError("refusal", "{message}", fault["ctx"]),
+            loc=fault["loc"],
+            input=None,
+        )
+        for fault in error.errors(include_url=False)
+        if fault["type"] == "refusal"
+    ]
 
 
 def _text(node: Node) -> str:
@@ -243,16 +265,16 @@ def check(model: type[P], root: MapNode, name_field: Callable[[tuple[int | str, 
         name_field: Turns pydantic's location into the field of a message.
 
     Raises:
-        DescriptionError: The first structural fault: unknown keys first, then by line.
+        DescriptionError: A structural fault: an unknown or missing key, a value of another kind.
+        SeveralFaultsError: There are several; of one mapping its unknown keys alone, since what
+            is missing may stand under them.
     """
     try:
         return model.model_validate(root)
     except ValidationError as error:
-        faults = error.errors(include_url=False)
-        first = min(
-            faults, key=lambda fault: (not fault["ctx"]["urgent"], fault["ctx"]["where"].line or 0)
-        )
-        where: Where = first["ctx"]["where"]
-        raise DescriptionError(
-            where.file, where.line, name_field(first["loc"]), str(first["ctx"]["message"])
-        ) from None
+        faults = Faults()
+        for fault in error.errors(include_url=False):
+            where: Where = fault["ctx"]["where"]
+            faults.add(where.error(name_field(fault["loc"]), str(fault["ctx"]["message"])))
+        faults.stop()
+        raise AssertionError from None  # a validation error has faults

@@ -7,6 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from modrobust.formats.bodies import read_inertia, read_masses
+from modrobust.formats.faults import Faults
 from modrobust.formats.fields import check
 from modrobust.formats.items import (
     BodyItem,
@@ -131,11 +132,14 @@ def _resolve(model: ModuleModel) -> Module:
     notes = list(model.notes or ())
     items: list[Item] = []
     names: dict[str, Where] = {}
+    faults = Faults()
     for index, entry in enumerate(model.chain):
-        item = _item(entry, f"chain[{index}]", tolerances, notes)
-        if not isinstance(item, NestedItem):
-            _check_name(item.name, item.where, names)
-        items.append(item)
+        with faults.caught():
+            item = _item(entry, f"chain[{index}]", tolerances, notes)
+            if not isinstance(item, NestedItem):
+                _check_name(item.name, item.where, names)
+            items.append(item)
+    faults.stop()
     nested = [item for item in items if isinstance(item, NestedItem)]
     mounted = [(item.module, item.as_name) for item in nested]
     for name, item in zip(instance_names_of(mounted), nested, strict=True):
