@@ -204,6 +204,8 @@ def _numbers(node: Node, length: int, field: str) -> list[str]:
 def _pose(node: Node, field: str) -> Transform:
     rows = [_numbers(row, 4, field) for row in members(node, field, 4)]
     matrix = np.array(rows, dtype=np.float64)
-    if not is_rotation(matrix[:3, :3], _RIGID) or not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
+    if not is_rotation(matrix[:3, :3], _RIGID) or not np.array_equal(
+        matrix[3], [0.0, 0.0, 0.0, 1.0]
+    ):
         raise node.where.error(field, "not a rigid transform; correct it")
     return from_rows([[Fraction(text) for text in row] for row in rows[:3]])

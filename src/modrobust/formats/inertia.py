@@ -141,7 +141,8 @@ def box_body(mass: Written, size: Sequence[Written], where: Where, field: str) -
 
 def _moments(entries: Sequence[float]) -> NDArray[np.float64]:
     """Principal moments in ascending order."""
-    return eigenvalues(_matrices(np.array([entries])))[0]
+    moments: NDArray[np.float64] = eigenvalues(_matrices(np.array([entries])))[0]
+    return moments
 
 
 def _matrices(rows: NDArray[np.float64]) -> NDArray[np.float64]:
