@@ -9,6 +9,8 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
+from modrobust.errors import visible
+
 if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.progress import Progress
@@ -38,7 +40,9 @@ def show(*results: RenderableType, style: str = "") -> None:
             console.print(result, style=style)
             console.width = usual
     for line in captured.get().splitlines():
-        sys.stdout.write(f"{line.rstrip()}\n")
+        # Of a text's own control characters; those of rich's colours start with an escape.
+        plain_text = "\x1b".join(map(visible, line.rstrip().split("\x1b")))
+        sys.stdout.write(f"{plain_text}\n")
 
 
 def _narrowest(table: Table) -> int:
@@ -103,7 +107,7 @@ def print_json(data: Mapping[str, Any] | list[Any]) -> None:
 
 def note(text: str) -> None:
     """Say something that is not a result."""
-    sys.stderr.write(f"{text}\n")
+    sys.stderr.write(f"{visible(text)}\n")
 
 
 class ProgressBar:

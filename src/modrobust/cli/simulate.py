@@ -95,7 +95,7 @@ def simulate(
     """Simulate the closed loop of a robot whose true parameters the controller does not know."""
     wanted, rate = seconds(duration), hertz(control_rate)
     from modrobust.cli.output import ProgressBar, note, print_json
-    from modrobust.errors import ValueRangeError
+    from modrobust.errors import ValueRangeError, visible
     from modrobust.result import check_writable
     from modrobust.simulation import simulate as run
 
@@ -110,7 +110,7 @@ def simulate(
     options = ["control_rate", "scenario", "parameters"]
     options += ["duration"] if duration is not None else []  # else it is the file's
     options += ["trajectory"] if trajectory is not None else []
-    with named_as_options(*options), ProgressBar(f"Simulating {arm.name}") as bar:
+    with named_as_options(*options), ProgressBar(f"Simulating {visible(arm.name)}") as bar:
         result = run(
             arm,
             scenario=scenario,
