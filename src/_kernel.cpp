@@ -385,6 +385,17 @@ nb::tuple sine_cosine(double x) {
     return nb::make_tuple(s, c);
 }
 
+// Of many angles at once, rows sine and cosine.
+Out sines_cosines(const Vec &x) {
+    const size_t count = x.size();
+    Doubles rows(2 * count);
+    for (size_t k = 0; k < count; ++k) {
+        check(std::abs(x.data()[k]) <= MR_ANGLE_MAX ? MR_OK : MR_ANGLE_RANGE);
+        mr_sincos(x.data()[k], &rows[k], &rows[count + k]);
+    }
+    return numpy(std::move(rows), {2, count});
+}
+
 class Controller {
   public:
     Controller(nb::object model_object, const Vec &nominal, const Vec &lower, const Vec &upper,
@@ -458,6 +469,20 @@ class Controller {
     }
 
     void reset() { state = mr_controller_state{}; }
+
+    // What a copy takes over: the integrators, and what the last command left.
+    nb::tuple memory() const {
+        return nb::make_tuple(state.integral, state.previous_f, state.previous_time, state.started,
+                              rho_norm, kappa, phi);
+    }
+
+    void recall(double integral, double previous_f, double previous_time, int started,
+                double last_rho_norm, double last_kappa, double last_phi) {
+        state = {integral, previous_f, previous_time, started};
+        rho_norm = last_rho_norm;
+        kappa = last_kappa;
+        phi = last_phi;
+    }
 
     mr_command_out outputs(double *rows) const {
         const size_t n = model.n();
@@ -587,6 +612,7 @@ NB_MODULE(_kernel, m) {
     m.def("leave_environment", &leave_environment, "caller"_a);
     m.def("sincos", &sine_cosine, "x"_a);
     m.def("tracking_error", &tracking_error, "model"_a, "q"_a, "q_des"_a);
+    m.def("sines_cosines", &sines_cosines, "x"_a);
     m.def("inverse_dynamics", &inverse_dynamics, "model"_a, "parameters"_a, "q"_a, "dq"_a,
           "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("inverse_dynamics_bounds", &inverse_dynamics_bounds, "model"_a, "nominal"_a, "lower"_a,
@@ -617,6 +643,9 @@ NB_MODULE(_kernel, m) {
         .def("time_commands", &Controller::time_commands, "t"_a, "q"_a, "dq"_a, "q_des"_a,
              "dq_des"_a, "ddq_des"_a)
         .def("reset", &Controller::reset)
+        .def("memory", &Controller::memory)
+        .def("recall", &Controller::recall, "integral"_a, "previous_f"_a, "previous_time"_a,
+             "started"_a, "rho_norm"_a, "kappa"_a, "phi"_a)
         .def_ro("rho_norm", &Controller::rho_norm)
         .def_prop_ro("integral_rate", [](const Controller &c) { return c.state.previous_f; })
         .def_ro("kappa", &Controller::kappa)

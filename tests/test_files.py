@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,52 @@ def test_a_link_stays_a_link_and_permissions_follow_the_umask(tmp_path: Path) ->
     plain = tmp_path / "plain"
     plain.touch()
     assert link.stat().st_mode == plain.stat().st_mode
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o644, 0o664])
+def test_a_file_that_is_rewritten_keeps_its_mode(tmp_path: Path, mode: int) -> None:
+    file = tmp_path / "a.json"
+    file.touch()
+    file.chmod(mode)
+    with replacing(file, *KIND) as part:
+        part.write_text("new")
+    assert stat.S_IMODE(file.stat().st_mode) == mode
+
+
+def test_what_is_written_is_on_the_disk_before_it_takes_the_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else a power cut could leave an empty file where the old one was."""
+    order: list[str] = []
+    fsync, replace = os.fsync, os.replace
+
+    def flushed(handle: int) -> None:
+        directory = stat.S_ISDIR(os.fstat(handle).st_mode)
+        order.append("directory" if directory else f"{os.fstat(handle).st_size} bytes")
+        fsync(handle)
+
+    def replaced(one: Path, other: Path) -> None:
+        order.append("rename")
+        replace(one, other)
+
+    monkeypatch.setattr(os, "fsync", flushed)
+    monkeypatch.setattr(os, "replace", replaced)
+    with replacing(tmp_path / "a.json", *KIND) as part:
+        part.write_text("whole")
+    assert order == ["5 bytes", "rename", "directory"]
+
+
+def test_a_name_as_long_as_the_system_allows_can_be_written(tmp_path: Path) -> None:
+    name = "a" * 250 + ".json"
+    with replacing(tmp_path / name, *KIND) as part:
+        part.write_text("new")
+    assert os.listdir(tmp_path) == [name]
+    too_long = tmp_path / f"a{name}"
+    with pytest.raises(FileError) as caught:
+        check_writable(too_long, *KIND)
+    assert str(caught.value) == (
+        f"{too_long}: file name too long; the system refuses this path; check it"
+    )
 
 
 @pytest.mark.parametrize(

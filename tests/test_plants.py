@@ -8,6 +8,7 @@ has none.
 from __future__ import annotations
 
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -232,23 +233,72 @@ def test_a_state_out_of_range_shows_and_leaves_no_file(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_mujoco_s_hook_is_given_back() -> None:
+def test_mujoco_s_hooks_are_the_user_s_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They belong to the whole process: we set none, and none of the user's acts on our robot."""
     mujoco = pytest.importorskip("mujoco")
     robot = mr.load_robot("lwa4p")
-    zero = np.zeros(robot.n)
-    plant = make_plant("mujoco", robot, robot.nominal, zero, zero, zero, 1e-3, 1)
+    one, other = (in_mujoco(robot) for _ in range(2))
     calls: list[Any] = []
 
     def mine(model: Any, data: Any) -> None:
         calls.append(data)
 
-    mujoco.set_mjcb_passive(mine)
+    def refuse(*_: Any) -> None:
+        raise AssertionError("a hook of the process was set")
+
+    hooks = [name for name in dir(mujoco) if name.startswith(("set_mjcb", "set_mju"))]
+    assert {"set_mjcb_passive", "set_mjcb_control", "set_mju_user_warning"} <= set(hooks)
+    setters = {name: getattr(mujoco, name) for name in hooks}
+    setters["set_mjcb_passive"](mine)
+    setters["set_mjcb_control"](mine)
+    for name in hooks:
+        monkeypatch.setattr(mujoco, name, refuse)
     try:
-        plant.advance(zero)
+        with_hook = moved(one, 20)
         assert mujoco.get_mjcb_passive() is mine
     finally:
-        mujoco.set_mjcb_passive(None)
+        setters["set_mjcb_passive"](None)
+        setters["set_mjcb_control"](None)
     assert not calls
+    np.testing.assert_array_equal(with_hook, moved(other, 20))
+
+
+def in_mujoco(robot: Robot) -> Any:
+    """In motion, so that friction acts. MuJoCo cannot make a model while a hook is set."""
+    zero = np.zeros(robot.n)
+    return make_plant("mujoco", robot, robot.nominal, zero, zero + 0.3, zero + 0.5, 1e-3, 2)
+
+
+def moved(plant: Any, ticks: int) -> Any:
+    """Positions after some ticks under a torque."""
+    for _ in range(ticks):
+        plant.advance(np.ones(len(plant.q)))
+    return plant.q
+
+
+def test_two_threads_and_a_user_s_own_model_do_not_disturb_each_other() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    robots = [mr.load_robot(name) for name in ("lwa4p", "lwa4p-payload")]
+    alone = [moved(in_mujoco(robot), 200) for robot in robots]
+    own = mujoco.MjModel.from_xml_string(
+        '<mujoco><option gravity="0 0 0"/><worldbody><body><joint name="a" type="hinge"/>'
+        '<geom size="0.1" mass="1"/></body></worldbody></mujoco>'
+    )
+
+    def coast() -> float:
+        """A wheel without friction, in the user's own thread."""
+        data = mujoco.MjData(own)
+        data.qvel[0] = 1.0
+        for _ in range(2000):
+            mujoco.mj_step(own, data)
+        return float(data.qvel[0])
+
+    with ThreadPoolExecutor(3) as pool:
+        runs = [pool.submit(moved, in_mujoco(robot), 200) for robot in robots]
+        wheel = pool.submit(coast)
+        for run, expected in zip(runs, alone, strict=True):
+            np.testing.assert_array_equal(run.result(), expected)
+        assert wheel.result() == 1.0
 
 
 @pytest.mark.parametrize(("plant", "package"), [("mujoco", "mujoco"), ("pinocchio", "pinocchio")])

@@ -299,6 +299,12 @@ def test_a_wrong_row_is_refused_with_its_line(tmp_path: Path, text: str, message
     assert str(caught.value) == f"{file}{message}"
 
 
+NO_TABLE = (
+    "line 1 is no row of a CSV file; a trajectory has t and one position for each of 2 joints, "
+    "separated by commas"
+)
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -309,6 +315,17 @@ def test_a_wrong_row_is_refused_with_its_line(tmp_path: Path, text: str, message
         ),
         (b"\xff\xfe0,1", "not a text file in UTF-8; expected a CSV file"),
         (b"0,1\x00,2", "a binary file; expected a CSV file"),
+        *(
+            (secret, NO_TABLE)
+            for secret in (
+                b"-----BEGIN PRIVATE KEY-----\nabc\n",
+                b'{"password": "x", "user": "y"}\n',
+                b"root:x:0:0:root:/root:/bin/sh\n",
+                b"%PDF-1.4, \x1b[31m, 3\n",
+                "t\u202e, a, b\n".encode(),
+                b"a" * 101 + b",1,2\n",
+            )
+        ),
     ],
 )
 def test_a_useless_file_is_refused(tmp_path: Path, content: bytes, message: str) -> None:

@@ -55,6 +55,9 @@ def sincos(x: float) -> tuple[float, float]: ...
 def tracking_error(model: Model, q: _Array, q_des: _Array) -> _Array:
     """The error e of (4), (k, n), for positions (k, n)."""
 
+def sines_cosines(x: _Array) -> _Array:
+    """Rows sine and cosine, (2, k), of angles (k,)."""
+
 def inverse_dynamics(
     model: Model,
     parameters: _Array,
@@ -181,6 +184,19 @@ class Controller:
     ) -> _Array:
         """Seconds of each command on recorded signals; the integrators start at rest."""
     def reset(self) -> None: ...
+    def memory(self) -> tuple[float, float, float, int, float, float, float]:
+        """The integrators and what the last command left, for `recall` on a copy."""
+
+    def recall(
+        self,
+        integral: float,
+        previous_f: float,
+        previous_time: float,
+        started: int,
+        rho_norm: float,
+        kappa: float,
+        phi: float,
+    ) -> None: ...
     @property
     def rho_norm(self) -> float: ...
     @property

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from modrobust.catalogue import builtin_robots
 from modrobust.construction import build
 from modrobust.errors import FileError, ValueRangeError
+from modrobust.files import kind_of_path
 from modrobust.formats import Assembly, BodyItem, load_assembly
 from modrobust.geometry import IDENTITY, Transform
 from modrobust.kernel import own_environment
@@ -100,7 +101,7 @@ def _file_of(path_or_name: str | Path) -> Path:
         )
     path = Path(path_or_name)
     # Only a bare word is a name: "arm.yaml" or "robots/arm" stay files, found or not.
-    if path.is_file() or path.suffix or len(path.parts) != 1:
+    if kind_of_path(path) == "file" or path.suffix or len(path.parts) != 1:
         return path
     robots = builtin_robots()
     if path.name in robots:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from modrobust.errors import FileError
+from modrobust.files import kind_of_path
 from modrobust.formats import Module, Where, load_module
 from modrobust.kernel import own_environment
 from modrobust.mating import mating_problem
@@ -45,7 +46,7 @@ def catalogue(directories: Iterable[str | Path] | None = None) -> list[Module]:
     chosen = [data_directory("modules")] if directories is None else [Path(d) for d in directories]
     found: dict[str, Path] = {}
     for directory in chosen:
-        if not directory.is_dir():
+        if kind_of_path(directory) != "directory":
             raise FileError(directory, "no such directory; give a directory with module files")
         found = _files(directory) | found
     return [load_module(found[name]) for name in sorted(found)]
@@ -96,6 +97,8 @@ class Library:
 def _files(directory: Path) -> dict[str, Path]:
     """Description files of a directory by stem."""
     found: dict[str, Path] = {}
+    if kind_of_path(directory) != "directory":
+        return found
     for suffix in _SUFFIXES:
         for path in sorted(directory.glob(f"*{suffix}")):
             found.setdefault(path.stem, path)
@@ -103,7 +106,8 @@ def _files(directory: Path) -> dict[str, Path]:
 
 
 def _same(one: Path, other: Path) -> bool:
-    return one.is_dir() and other.is_dir() and os.path.samefile(one, other)
+    # Those of os.path say no where the system refuses a path; those of pathlib raise.
+    return os.path.isdir(one) and os.path.isdir(other) and os.path.samefile(one, other)
 
 
 def _tidy(directory: Path) -> Path:

@@ -128,6 +128,17 @@ class RobustController:
             )
         self.kernel = make_kernel_controller(robot, self.settings)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """For copy, deepcopy and pickle: everything, the integrators as numbers."""
+        return {**self.__dict__, "kernel": self.kernel.memory()}
+
+    @own_environment()
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        """A copy has integrators of its own, which stand where those of the original stood."""
+        self.__dict__.update(state)
+        self.kernel = make_kernel_controller(self.robot, self.settings)
+        self.kernel.recall(*state["kernel"])
+
     def command(
         self,
         t: float,

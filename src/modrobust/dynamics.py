@@ -81,7 +81,9 @@ def inverse_dynamics_bounds(
     r"""Bounds of `inverse_dynamics` over every parameter point inside the robot's bounds.
 
     ``hull`` is the range itself, joint by joint, (17) to (19); ``ianea`` is the paper's interval
-    arithmetic, linear in n and wider. Both enclose their own rounding.
+    arithmetic, linear in n and wider. Both enclose their own rounding. Where a joint with Coulomb
+    friction moves no faster than its ``coulomb_speed`` both are wider, (20): they count [F_c] with
+    [-1, 1], since the sign of so small a measured speed is unknown.
 
     Args:
         robot: Robot with n joints.

@@ -22,7 +22,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 _MOST_SHOWN = 50  # faults of one file; who has more mends these first
-_BREAKS = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
+# Control characters, line ends, and those that turn the direction of what is read around them.
+_UNSEEN = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+
+
+def visible(text: str) -> str:
+    """A text with its control characters escaped, so that it reads as it is on every screen."""
+    return _UNSEEN.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
 class ModrobustError(Exception):
@@ -32,7 +38,7 @@ class ModrobustError(Exception):
     """
 
     def __init__(self, message: str = "") -> None:
-        super().__init__(_BREAKS.sub(lambda found: ascii(found[0])[1:-1], message))
+        super().__init__(visible(message))
 
 
 class InputError(ModrobustError):

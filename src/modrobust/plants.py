@@ -3,15 +3,14 @@ r"""The true robot in an engine that is not ours: MuJoCo or Pinocchio, built fro
 .. math:: M(q, \Delta)\,\ddot q + C(q, \dot q, \Delta)\,\dot q + g(q, \Delta)
           + F_v \dot q + F_c\,s(\dot q) + k^2 I_m \ddot q = u + d
 
-The rigid-body terms are the engine's own. Coulomb friction is applied by us in its smooth form
-(20) at every stage of the integrator, since MuJoCo's ``frictionloss`` is a constraint and Pinocchio
-has none; so is viscous friction with Pinocchio, which has none in its forward dynamics.
+The rigid-body terms are the engine's own. Friction is applied by us in its smooth form (20) at
+every stage of the integrator, since MuJoCo's ``frictionloss`` is a constraint and Pinocchio has
+none in its forward dynamics. Nothing here changes state that others in the process share.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from importlib import import_module
 from typing import Any, Protocol
 
@@ -27,6 +26,7 @@ from modrobust.robot import Parameters, Robot
 Array = NDArray[np.float64]
 
 BUILTIN = "builtin"
+_OUT_OF_RANGE = 1e10  # [rad] or [m], as MuJoCo has it
 
 
 class Plant(Protocol):
@@ -40,10 +40,13 @@ class Plant(Protocol):
 
 
 class MujocoPlant:
-    """The robot in MuJoCo: our MJCF with armature and damping, its own RK4.
+    """The robot in MuJoCo: mass matrix and bias forces of our MJCF, classical Runge-Kutta.
 
-    Joints that follow another are an equality constraint in MuJoCo, which is soft. Then only mass
-    matrix and bias forces are MuJoCo's; they are projected on the free joints, and integrated here.
+    Friction and integration are ours, as with Pinocchio: MuJoCo takes a force that follows the
+    velocity within a step only by a callback, which would act on every model of the process. So
+    none of its functions is used that calls one, that of a user included, or that warns, which
+    writes a file. Where joints follow others, both are projected on the free ones; MuJoCo's own
+    constraint is soft.
 
     Args:
         robot: Any robot with n free joints, j in all.
@@ -68,74 +71,46 @@ class MujocoPlant:
         substeps: int,
     ) -> None:
         self._mujoco: Any = engine("mujoco", "mujoco", 'plant "mujoco"')
-        # Without frictionloss: the smooth form is applied in _friction.
-        point = replace(parameters, coulomb=np.zeros(robot.j))
-        text = mjcf_text(robot, point, timestep=dt / substeps, visual=False).text
+        text = mjcf_text(robot, parameters, timestep=dt / substeps, visual=False).text
         self._model = self._mujoco.MjModel.from_xml_string(text)
-        bits = self._mujoco.mjtDisableBit
-        # A state that is out of range shall show, not start anew from zero.
-        self._model.opt.disableflags |= int(bits.mjDSBL_AUTORESET) | int(bits.mjDSBL_EQUALITY)
+        # Neither soft followers nor dry friction: both are made here.
+        self._model.opt.disableflags |= int(self._mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
         self._data = self._mujoco.MjData(self._model)
         joints = [self._model.joint(name) for name in robot.all_joint_names]
         self._dofs = np.array([joint.dofadr[0] for joint in joints], dtype=np.intp)
         self._places = np.array([joint.qposadr[0] for joint in joints], dtype=np.intp)
-        self._coulomb, self._speed2 = np.empty(robot.j), np.empty(robot.j)
-        self._coulomb[self._dofs] = parameters.coulomb
-        self._speed2[self._dofs] = robot.coulomb_speed**2
-        self._smooth = bool(self._coulomb.any())
+        self._friction = _Friction(robot, parameters)
         self._led = _Led(robot) if robot.j > robot.n else None
         self._disturbance, self._h, self._substeps = disturbance, dt / substeps, substeps
-        self._data.qpos[self._places] = robot.all_positions(np.asarray(q0))
-        self._data.qvel[self._dofs[: robot.n]] = dq0
+        self._bias, self._torque = np.empty(self._model.nv), np.empty((1, self._model.nv))
+        self._answer = np.empty((1, self._model.nv))
         self.q, self.dq = np.array(q0), np.array(dq0)
 
     def advance(self, tau: Array) -> None:
         """One tick."""
-        mujoco = self._mujoco
-        # Both hooks are the whole process's: ours for the time of the step. Without the second,
-        # MuJoCo writes a file into the working directory when a state goes out of range.
-        passive, warning = mujoco.get_mjcb_passive(), mujoco.get_mju_user_warning()
-        mujoco.set_mju_user_warning(_silent)
-        if self._smooth:
-            mujoco.set_mjcb_passive(self._friction)
-        try:
-            self._step(tau)
-        finally:
-            mujoco.set_mjcb_passive(passive)
-            mujoco.set_mju_user_warning(warning)
-
-    def _step(self, tau: Array) -> None:
-        n = len(self.q)
         drive = tau + self._disturbance
-        if self._led is None:
-            # Not through the motors: MuJoCo sets controls beyond 1e10 to zero without a word.
-            self._data.qfrc_applied[self._dofs] = drive
-            self._mujoco.mj_step(self._model, self._data, self._substeps)
-            self.q = self._data.qpos[self._places[:n]]
-            self.dq = self._data.qvel[self._dofs[:n]]
-            return
         for _ in range(self._substeps):
             self.q, self.dq = runge_kutta(self._acceleration, self.q, self.dq, drive, self._h)
 
     def _acceleration(self, q: Array, dq: Array, drive: Array) -> Array:
-        assert self._led is not None
-        mujoco, model, data = self._mujoco, self._model, self._data
-        data.qpos[self._places] = self._led.positions(q)
-        data.qvel[self._dofs] = self._led.G @ dq
+        mujoco, model, data, led = self._mujoco, self._model, self._data, self._led
+        everything = q if led is None else led.positions(q)
+        rates = dq if led is None else led.G @ dq
+        if not (np.abs(everything) < _OUT_OF_RANGE).all():
+            return np.full(len(q), np.nan)
+        data.qpos[self._places] = everything
+        data.qvel[self._dofs] = rates
         mujoco.mj_fwdPosition(model, data)
-        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_comVel(model, data)
+        mujoco.mj_rne(model, data, 0, self._bias)
+        bias = self._bias[self._dofs] + self._friction(rates)
+        if led is None:
+            self._torque[0, self._dofs] = drive - bias
+            mujoco.mj_solveM(model, data, self._answer, self._torque)
+            return np.asarray(self._answer[0, self._dofs])
         M = np.empty((model.nv, model.nv))
         mujoco.mj_fullM(model, data, M)
-        bias = (data.qfrc_bias - data.qfrc_passive)[self._dofs]
-        return self._led.acceleration(M[np.ix_(self._dofs, self._dofs)], bias, drive)
-
-    def _friction(self, _: Any, data: Any) -> None:
-        v = data.qvel
-        data.qfrc_passive[:] -= self._coulomb * v / np.sqrt(v * v + self._speed2)
-
-
-def _silent(_: str) -> None:
-    """A run that diverges says so itself."""
+        return led.acceleration(M[np.ix_(self._dofs, self._dofs)], bias, drive)
 
 
 class PinocchioPlant:
@@ -175,8 +150,7 @@ class PinocchioPlant:
         armature[self._order] = robot.gear_ratio**2 * parameters.rotor_inertia
         self._model.armature = armature
         self._data = self._model.createData()
-        self._viscous, self._coulomb = parameters.viscous, parameters.coulomb
-        self._speed2 = robot.coulomb_speed**2
+        self._friction = _Friction(robot, parameters)
         self._led = _Led(robot) if robot.j > robot.n else None
         self._disturbance, self._h, self._substeps = disturbance, dt / substeps, substeps
         self._velocity, self._torque = np.empty(robot.j), np.empty(robot.j)
@@ -197,8 +171,7 @@ class PinocchioPlant:
             angle = everything[self._circle]
             self._configuration[self._circle_at] = np.cos(angle)
             self._configuration[self._circle_at + 1] = np.sin(angle)
-        smooth = rates / np.sqrt(rates * rates + self._speed2)
-        friction = self._viscous * rates + self._coulomb * smooth
+        friction = self._friction(rates)
         self._velocity[self._order] = rates
         if led is None:
             self._torque[self._order] = drive - friction
@@ -209,6 +182,18 @@ class PinocchioPlant:
         M = upper + np.triu(upper, 1).T
         bias = pin.nonLinearEffects(model, data, self._configuration, self._velocity)[self._order]
         return led.acceleration(M[np.ix_(self._order, self._order)], bias + friction, drive)
+
+
+class _Friction:
+    """F_v dq + F_c s(dq) of the j joints, (20)."""
+
+    def __init__(self, robot: Robot, parameters: Parameters) -> None:
+        self._viscous, self._coulomb = parameters.viscous, parameters.coulomb
+        self._speed2 = robot.coulomb_speed**2
+
+    def __call__(self, dq: Array) -> Array:
+        smooth = dq / np.sqrt(dq * dq + self._speed2)
+        return np.asarray(self._viscous * dq + self._coulomb * smooth)
 
 
 class _Led:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from modrobust import _kernel
 from modrobust.arguments import as_integer
 from modrobust.dh import DHTable, dh_table
-from modrobust.errors import ValueRangeError
+from modrobust.errors import ValueRangeError, visible
 from modrobust.kernel import own_environment
 from modrobust.parameters import Bounded, Parameters, freeze, remade
 from modrobust.physical import ABOUT_COM, ABOUT_FRAME
@@ -92,7 +92,7 @@ class Robot:
     __reduce__ = remade
 
     def __repr__(self) -> str:
-        return f'<Robot "{self.name}": {self.n} joints, {self.b} bodies>'
+        return f'<Robot "{visible(self.name)}": {self.n} joints, {self.b} bodies>'
 
     @own_environment()
     def __post_init__(self) -> None:

@@ -1,7 +1,7 @@
 r"""Eigenvalues of symmetric 3x3 matrices, with the same bits on every machine.
 
-LAPACK, and NumPy's `linalg` on top of it, choose their code by the processor, and its last bits with
-it. Here everything is + - * / and roots entry by entry, which IEEE 754 determines, or rational.
+LAPACK, and NumPy's `linalg` on top of it, choose their code by the processor, and its last bits
+with it. Here everything is + - * / and roots entry by entry, determined by IEEE 754, or rational.
 
 Source: the cyclic Jacobi method, Golub and Van Loan, "Matrix Computations", 8.5; Laguerre's bounds
 of the roots of a polynomial whose roots are all real.
@@ -26,7 +26,7 @@ _PLANES = ((0, 1, 2), (0, 2, 1), (1, 2, 0))
 def eigenvalues(matrices: Array) -> Array:
     """Eigenvalues in ascending order, ``(..., 3, 3)`` symmetric gives ``(..., 3)``.
 
-    Errors stay below 16 roundings, 2^-53, of the largest entry. A matrix has the same bits whichever
+    Errors stay below 16 times 2^-53 of the largest entry. A matrix has the same bits whichever
     others stand beside it. What is not finite gives NaN.
     """
     a = np.array(matrices, dtype=np.float64)
@@ -37,7 +37,8 @@ def eigenvalues(matrices: Array) -> Array:
             for p, q, r in _PLANES:
                 _rotate(a, p, q, r)
         diagonal = a[..., [0, 1, 2], [0, 1, 2]]
-    return np.sort(np.where(np.isfinite(a).all(axis=(-2, -1))[..., None], diagonal, np.nan))
+    finite = np.asarray(np.isfinite(a).all(axis=(-2, -1)))
+    return np.sort(np.where(finite[..., None], diagonal, np.nan))
 
 
 def _rotate(a: Array, p: int, q: int, r: int) -> None:

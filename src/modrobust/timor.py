@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.errors import DescriptionError, FileError, ValueRangeError
+from modrobust.files import kind_of_path, reason, replacing
 from modrobust.formats import MapNode, Node
 from modrobust.formats.inertia import positive_definite, steiner
 from modrobust.formats.json_reader import parse_json
@@ -126,13 +127,15 @@ def write_modules(result: Import, directory: str | Path) -> list[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path in paths:
-            if path.exists():
+            if kind_of_path(path) != "missing":
                 raise FileError(path, "exists; an import overwrites nothing; give an empty folder")
         for path, module in zip(paths, result.modules, strict=True):
-            path.write_text(module.text, encoding="utf-8")
+            with replacing(path, ".yaml", "a module") as part:
+                part.write_text(module.text, encoding="utf-8")
     except OSError as error:
-        reason = (error.strerror or "unknown reason").lower()
-        raise FileError(folder, f"cannot be written: {reason}; give a folder that can be") from None
+        raise FileError(
+            folder, f"cannot be written: {reason(error)}; give a folder that can be"
+        ) from None
     return paths
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from modrobust.errors import FileError
+from modrobust.files import kind_of_path, reason
 from modrobust.formats import ListNode, MapNode, Node, ScalarNode, Where
 from modrobust.geometry import Transform, from_rows
 from modrobust.robot_checks import is_rotation
@@ -54,14 +55,13 @@ class Joint:
 
 def read_database(path: str | Path) -> str:
     try:
-        if Path(path).exists() and not (Path(path).is_file() or Path(path).is_dir()):
+        if kind_of_path(path) == "other":
             raise FileError(path, "is a pipe or a device; expected a file; save it as one")
         with Path(path).open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
         text = data.decode("utf-8")
     except OSError as error:
-        reason = (error.strerror or "unknown reason").lower()
-        raise FileError(path, f"cannot be read: {reason}; check the path") from None
+        raise FileError(path, f"cannot be read: {reason(error)}; check the path") from None
     except UnicodeDecodeError:
         raise FileError(path, "not UTF-8 text; give Timor's modules.json") from None
     if len(data) > MAX_BYTES:

@@ -16,6 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from modrobust import _kernel
 from modrobust.arguments import as_integer, as_number
 from modrobust.arrays import as_real
 from modrobust.errors import ShapeError, ValueRangeError
@@ -103,8 +104,8 @@ class Sines:
         instants = _instants(t)
         p, dp, ddp = np.ones_like(instants), np.zeros_like(instants), np.zeros_like(instants)
         for omega in self.omega:
-            s = np.sin(omega * instants)
-            ds = omega * np.cos(omega * instants)
+            s, cosine = _sines_cosines(omega, instants)
+            ds = omega * cosine
             dds = -omega * omega * s
             p, dp, ddp = p * s, dp * s + p * ds, ddp * s + 2.0 * dp * ds + p * dds
         a = np.asarray(self.amplitude, dtype=np.float64)
@@ -391,6 +392,17 @@ def motion_time(trajectory: Trajectory) -> float | None:
 
 def _instants(t: ArrayLike) -> Array:
     return np.atleast_1d(as_real("t", t, "instants [s]"))
+
+
+def _sines_cosines(omega: float, t: Array) -> Array:
+    """Rows sine and cosine of omega t, by the kernel: NumPy's depend on the processor."""
+    try:
+        return _kernel.sines_cosines(np.ravel(omega * t))
+    except _kernel.KernelError:
+        raise ValueRangeError(
+            f"trajectory omega: {omega:g} rad/s times {np.abs(t).max():g} s is an angle beyond "
+            f"{_kernel.ANGLE_MAX:g} rad; shorten the run or lower omega"
+        ) from None
 
 
 def _vector(name: str, value: ArrayLike) -> Array:

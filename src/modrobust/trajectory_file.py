@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,12 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.errors import DescriptionError, FileError
+from modrobust.files import kind_of_path
+from modrobust.formats.nodes import shown
 from modrobust.kernel import own_environment
 from modrobust.names import did_you_mean
 
 Array = NDArray[np.float64]
 
 TURN = 2.0 * math.pi  # [rad]
+_HEADING = re.compile(r"[\w .:/\[\]()^-]{0,100}")  # names of joints, perhaps with a unit
 MAX_BYTES = 256 * 1024 * 1024
 
 
@@ -40,6 +44,13 @@ def read_trajectory_csv(file: str | Path, joint_names: Sequence[str]) -> tuple[A
     _check_separator(file, line, first)
     order: list[int] | None = None
     if not _is_number(first[0]):
+        if not first[1:] or not all(_HEADING.fullmatch(cell) for cell in first):
+            # A file that is no table may be a secret or a picture: nothing of it is repeated.
+            raise FileError(
+                file,
+                f"line {line} is no row of a CSV file; a trajectory has t and one position for "
+                f"each of {len(joint_names)} joints, separated by commas",
+            )
         order = _header(file, line, first, joint_names)
         rows = rows[1:]
         if not rows:
@@ -68,15 +79,16 @@ def unwrapped(points: Array, wraps: NDArray[np.bool_]) -> tuple[Array, tuple[int
 def _rows(file: str | Path) -> list[tuple[int, list[str]]]:
     path = Path(file)
     try:
-        if path.is_dir():
+        there = kind_of_path(path)
+        if there == "missing":
+            raise FileError(file, "no such file; give the path of a CSV file of t and q")
+        if there == "directory":
             raise FileError(file, "is a directory; expected a CSV file")
-        if path.exists() and not path.is_file():
+        if there != "file":
             raise FileError(file, "is a pipe or a device; expected a CSV file; save it as one")
         if path.stat().st_size > MAX_BYTES:
             raise FileError(file, "is larger than 256 MiB; thin the rows out")
         text = path.read_bytes().decode("utf-8-sig")
-    except FileNotFoundError:
-        raise FileError(file, "no such file; give the path of a CSV file of t and q") from None
     except UnicodeDecodeError:
         raise FileError(file, "not a text file in UTF-8; expected a CSV file") from None
     except OSError as error:
@@ -110,14 +122,17 @@ def _header(file: str | Path, line: int, names: list[str], joint_names: Sequence
             file,
             line,
             "header",
-            f'first column is "{names[0]}"; must be t, then the joint names',
+            f"first column is {shown(names[0])}; must be t, then the joint names",
         )
     columns = names[1:]
     for name in columns:
         if name not in joint_names:
             hint = did_you_mean(name, joint_names)
             raise DescriptionError(
-                file, line, "header", f'no joint "{name}"; {hint}known: {", ".join(joint_names)}'
+                file,
+                line,
+                "header",
+                f"no joint {shown(name)}; {hint}known: {', '.join(joint_names)}",
             )
         if columns.count(name) > 1:
             raise DescriptionError(
@@ -149,10 +164,13 @@ def _numbers(
             value = float(text)
         except ValueError:
             raise DescriptionError(
-                file, line, field, f'"{text}" is not a number; positions are in rad or m, t in s'
+                file,
+                line,
+                field,
+                f"{shown(text)} is not a number; positions are in rad or m, t in s",
             ) from None
         if not math.isfinite(value):
-            raise DescriptionError(file, line, field, f'"{text}"; every number must be finite')
+            raise DescriptionError(file, line, field, f"{shown(text)}; every number must be finite")
         numbers.append(value)
     return numbers
 

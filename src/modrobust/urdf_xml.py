@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from modrobust.errors import DescriptionError, FileError
+from modrobust.files import kind_of_path
 from modrobust.formats import Where
 from modrobust.formats.nodes import shown
 
@@ -78,9 +79,10 @@ def read_bytes(path: str | Path) -> bytes:
     """
     name = os.fspath(path)
     file = Path(name)
-    if "\0" in name or not file.exists():
+    there = kind_of_path(file)
+    if there == "missing":
         raise FileError(name.replace("\0", "\\0"), "no such file; check the path")
-    if not file.is_file():
+    if there != "file":
         raise FileError(name, "is not a regular file; a robot description is one; name it")
     if file.suffix.lower() == ".hrdf":
         raise FileError(name, HRDF)

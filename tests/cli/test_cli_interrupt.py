@@ -12,6 +12,7 @@ import pty
 import select
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -20,8 +21,10 @@ import pytest
 from command_line import COMMAND, environment
 
 
-def interrupted(folder: Path, *arguments: str, interrupt: bool = True) -> tuple[int, str, str]:
-    """Exit code, stdout and stderr of a command that gets SIGINT once its progress bar shows."""
+def interrupted(
+    folder: Path, *arguments: str, interrupt: bool = True, by: int = signal.SIGINT
+) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of a command that gets a signal once its progress bar shows."""
     terminal, inner = pty.openpty()
     process = subprocess.Popen(
         [*COMMAND, *arguments],
@@ -45,7 +48,7 @@ def interrupted(folder: Path, *arguments: str, interrupt: bool = True) -> tuple[
             break
         shown += data
         if interrupt and not sent and "%" in shown:
-            process.send_signal(signal.SIGINT)
+            process.send_signal(by)
             sent = True
     os.close(terminal)
     try:
@@ -83,6 +86,41 @@ def test_an_interrupted_bench_shows_what_it_has(tmp_path: Path) -> None:
     assert code == 130
     assert "interrupted; what was measured until then is kept" in shown
     assert out.startswith("lwa4p-paper: 6 joints\n")
+
+
+@pytest.mark.parametrize("by", [signal.SIGTERM, signal.SIGHUP])
+def test_a_command_that_is_ended_leaves_no_half_written_file(tmp_path: Path, by: int) -> None:
+    text = """
+import time
+from modrobust.cli import main
+from modrobust import simulation
+from modrobust.files import replacing
+
+def slow(*_, **__):
+    with replacing("run.npz", ".npz", "a log") as part:
+        part.write_text("half of it")
+        print("half", flush=True)
+        time.sleep(60)
+
+simulation.simulate = slow
+main()
+"""
+    process = subprocess.Popen(
+        [sys.executable, "-c", text, "simulate", "scara"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "half\n"
+        assert len(os.listdir(tmp_path)) == 1
+        process.send_signal(by)
+        assert process.wait(timeout=30) == 128 + by
+    finally:
+        process.kill()
+        process.communicate()
+    assert os.listdir(tmp_path) == []
 
 
 @pytest.mark.parametrize("stderr_is_a_terminal", [True, False])

@@ -1,8 +1,8 @@
 """Points of a parameter box: those that drive one joint's torque to its ends, and random ones.
 
-The hull is the range itself, so that these points touch it: whatever rounding took from a bound
-shows. They are found in doubles from the exact coefficients; a point that is a little off the best
-is still a point of the box.
+The hull is the range itself (but at speeds of at most v_c, (20)), so that these points touch it:
+whatever rounding took from a bound shows. They are found in doubles from the exact coefficients; a
+point that is a little off the best is still a point of the box.
 """
 
 from __future__ import annotations

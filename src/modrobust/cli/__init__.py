@@ -1,15 +1,17 @@
 """The command line: typer and rich live here and nowhere else; nothing imports this package.
 
-Exit codes: 0 fine; 1 ran, but the answer is bad; 2 bad input or usage; 130 interrupted; 141 who
-read the results closed the pipe. Results go to stdout, everything else to stderr. A traceback means
-a bug in modrobust.
+Exit codes: 0 fine; 1 ran, but the answer is bad; 2 bad input or usage; 130 interrupted; 143 ended
+by SIGTERM (129 by SIGHUP); 141 who read the results closed the pipe. Results
+go to stdout, everything else to stderr. A traceback means a bug in modrobust.
 """
 
 from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
+from typing import NoReturn
 
 # Before numpy and pydantic are imported; who sets them otherwise has their way.
 _QUICK_START = {
@@ -26,6 +28,9 @@ def main() -> None:
     for name, value in _QUICK_START.items():
         os.environ.setdefault(name, value)
     gc.set_threshold(_COLLECT_EVERY)
+    for ending in (signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
+        if signal.getsignal(ending) is signal.SIG_DFL:  # nohup has its way
+            signal.signal(ending, _end)
     try:
         code = _guarded()
     except KeyboardInterrupt:  # the commands handle their own; this one came while they load
@@ -33,6 +38,11 @@ def main() -> None:
         code = 130
     gc.freeze()  # what is left goes with the process, without one more look for garbage
     sys.exit(code)
+
+
+def _end(number: int, _: object) -> NoReturn:
+    """Ends as the signal asks, but by an exception: files that are half written go."""
+    sys.exit(128 + number)
 
 
 def _guarded() -> str | int | None:

@@ -9,6 +9,8 @@ import time
 from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
+from modrobust.errors import visible
+
 if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.progress import Progress
@@ -35,7 +37,9 @@ def show(*results: RenderableType, style: str = "") -> None:
             console.print(result, style=style)
             console.width = usual
     for line in captured.get().splitlines():
-        sys.stdout.write(f"{line.rstrip()}\n")
+        # Of a text's own control characters; those of rich's colours start with an escape.
+        plain_text = "\x1b".join(map(visible, line.rstrip().split("\x1b")))
+        sys.stdout.write(f"{plain_text}\n")
     sys.stdout.flush()  # at once, into a pipe too
 
 
@@ -111,7 +115,7 @@ def print_json(data: Mapping[str, Any] | list[Any]) -> None:
 
 def note(text: str) -> None:
     """Say something that is not a result."""
-    sys.stderr.write(f"{text}\n")
+    sys.stderr.write(f"{visible(text)}\n")
 
 
 class ProgressBar:

@@ -108,7 +108,7 @@ def simulate(
     wanted, rate = seconds(duration), hertz(control_rate)
     from modrobust.cli.output import ProgressBar, note, print_json
     from modrobust.cli.simulate_start import Start
-    from modrobust.errors import ValueRangeError
+    from modrobust.errors import ValueRangeError, visible
     from modrobust.result import check_writable
     from modrobust.simulation import simulate as run
 
@@ -136,7 +136,7 @@ def simulate(
             "plant": plant,
         }
     )
-    with named_as_options(*options), ProgressBar(f"Simulating {arm.name}") as bar:
+    with named_as_options(*options), ProgressBar(f"Simulating {visible(arm.name)}") as bar:
         start = Start(heading, rate, bar)
         result = run(
             arm,

@@ -157,7 +157,8 @@ def _moved_by(mass: float, com: Sequence[float]) -> list[float]:
 
 def _moments(entries: Sequence[float]) -> NDArray[np.float64]:
     """Principal moments in ascending order."""
-    return eigenvalues(_matrices(np.array([entries])))[0]
+    moments: NDArray[np.float64] = eigenvalues(_matrices(np.array([entries])))[0]
+    return moments
 
 
 def _matrices(rows: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -26,6 +26,7 @@ from ruamel.yaml.events import (
 )
 
 from modrobust.errors import DescriptionError, FileError
+from modrobust.files import kind_of_path
 from modrobust.formats.json_reader import parse_json
 from modrobust.formats.nodes import MapNode, Where
 from modrobust.formats.tree import TreeBuilder
@@ -53,16 +54,17 @@ def read_description(path: str | Path) -> MapNode:
 
 def _read_text(name: str) -> str:
     path = Path(name)
-    if "\0" in name or not path.exists():
+    there = kind_of_path(path)
+    if there == "missing":
         raise FileError(name.replace("\0", "\\0"), _missing(path))
-    if path.is_dir():
+    if there == "directory":
         raise FileError(name, "is a directory; a description is one file; name the file in it")
     if path.suffix.lower() not in SUFFIXES:
         found = f'suffix "{path.suffix}"' if path.suffix else "no suffix"
         raise FileError(
             name, f"{found}; a description ends in .yaml, .yml or .json; rename or convert it"
         )
-    if not path.is_file():
+    if there != "file":
         raise FileError(
             name, "is a pipe or a device; a description is a regular file; save it as one"
         )
@@ -92,7 +94,7 @@ def _missing(path: Path) -> str:
     if "\0" in str(path):
         return "not a file name; check the path"
     folder = path.parent
-    if not folder.is_dir():
+    if kind_of_path(folder) != "directory":
         return f'no such file; there is no directory "{folder}"; check the path'
     return "no such file; check the path"
 
