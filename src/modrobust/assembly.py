@@ -48,8 +48,8 @@ def load_robot(
     base: str | None = None,
     tip: str | None = None,
     lock: Mapping[str, float | str] | None = None,
-    tolerance: str | None = None,
-    payload: str | None = None,
+    tolerance: str | Mapping[str, object] | None = None,
+    payload: str | Mapping[str, object] | None = None,
 ) -> Robot:
     """The robot of an assembly file or a URDF, or one that comes with modrobust, by name.
 
@@ -58,8 +58,10 @@ def load_robot(
         base: URDF only: link that the robot stands on, None = the root.
         tip: URDF only: link where the chain ends, None = every branch.
         lock: URDF only: joint name to the position [rad] or [m] that it is frozen at.
-        tolerance: URDF only: bounds where there are none, such as ``"mass=5%,com=5mm"``.
-        payload: Such as ``"mass=[0 kg, 2 kg], com=[0, 0, 50 mm], at=tool0"``.
+        tolerance: URDF only: bounds where there are none, such as ``"mass=5%,com=5mm"``, or
+            ``{"mass": "5%", "com": "5 mm"}`` with the keys of ``tolerance:`` in a file.
+        payload: Such as ``"mass=[0 kg, 2 kg], com=[0, 0, 50 mm], at=tool0"``, or a mapping with
+            the keys of ``payload:`` in a file; numbers are in SI units.
 
     Raises:
         FileError: There is neither such a file nor such a robot.

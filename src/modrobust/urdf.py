@@ -65,14 +65,15 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
     bodies = _bodies(description, chosen, source, tolerances, notes)
     _need_mass(description, chosen, joints, bodies)
     notes += _placeholders(description, chosen)
+    notes += tolerances.remarks
     if tolerances.unused:
         keys = ", ".join(tolerances.unused)
         notes.append(f"tolerance without a parameter it applies to: {keys}")
     if not any(_bounded(joint, body) for joint in joints for body in bodies):
         notes.insert(
             0,
-            "no bounds are given: every figure of the URDF is taken as exact; give --tolerance "
-            '"mass=5%, com=5 mm, inertia=10%" or an assembly file with bounds',
+            "no bounds are given: every figure of the URDF is taken as exact; give a tolerance "
+            'such as "mass=5%, com=5 mm, inertia=10%", or an assembly file with bounds',
         )
     ends = {name: (joint, frame.rounded()) for name, (joint, frame) in chosen.frames.items()}
     parts = Parts(
@@ -193,8 +194,8 @@ def _need_mass(
                 f"joint {joint.name}",
                 f"no link behind it has mass ({', '.join(links)}); what moves has mass and "
                 "inertia; complete the <inertial>, give it in an assembly file (links: "
-                f"{{{links[0]}: {{mass: ..., com: ..., inertia: ...}}}}), or freeze the joint with "
-                f"--lock {joint.name}=VALUE",
+                f"{{{links[0]}: {{mass: ..., com: ..., inertia: ...}}}}), or freeze the joint "
+                f"(lock: {{{joint.name}: VALUE}})",
             )
 
 

@@ -174,7 +174,7 @@ def _limits(joint: Joint, prismatic: bool, notes: list[str]) -> dict[str, Node]:
             raise lower.where.error(
                 f"joint {joint.name}, limits",
                 f"lower and upper limit are both {lo:g}; such a joint cannot move; correct them, "
-                f"or freeze it with --lock {joint.name}={lo:g} (lock: {{{joint.name}: {lo:g}}})",
+                f"or freeze it (lock: {{{joint.name}: {lo:g}}})",
             )
         entries["position"] = ListNode((lower, upper), lower.where)
     for key, number in (("velocity", joint.velocity), ("effort", joint.effort)):

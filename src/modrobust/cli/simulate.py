@@ -16,7 +16,6 @@ from modrobust.cli.options import (
     Tip,
     Tolerance,
     hertz,
-    named_as_options,
     robot,
     seconds,
 )
@@ -96,6 +95,7 @@ def simulate(
     """
     wanted, rate = seconds(duration), hertz(control_rate)
     from modrobust.cli.output import ProgressBar, note, print_json
+    from modrobust.cli.wording import named_as_options
     from modrobust.errors import ValueRangeError
     from modrobust.result import check_writable
     from modrobust.simulation import simulate as run
@@ -107,7 +107,7 @@ def simulate(
     if log is not None:
         check_writable(log)
     check_pictures(video, view)
-    arm = robot(file, base, tip, lock, tolerance, payload)
+    arm = robot(file, base, tip, lock, tolerance, payload, say_exact=json)  # else the verdict says
     options = ["control_rate", "scenario", "parameters"]
     options += ["duration"] if duration is not None else []  # else it is the file's
     options += ["trajectory"] if trajectory is not None else []
