@@ -210,7 +210,7 @@ the same chain with none. Exponents are fitted from 16 joints on.
 
 {markdown(["joints", *columns], growth.rows(columns))}
 
-`python benchmarks/growth.py`, and `modrobust bench`.
+`python benchmarks/growth.py`, and `modrobust bench --growth`.
 
 ## From Python
 

@@ -35,6 +35,7 @@ LAYERS = {
     "sampling": 2,
     "assembly": 3,
     "catalogue": 3,
+    "magnitudes": 3,
     "mating": 3,
     "mounting": 3,
     "regularity": 3,

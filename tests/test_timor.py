@@ -212,7 +212,7 @@ def test_a_reading_that_no_body_has_is_refused(tmp_path: Path) -> None:
                 [end("in", IN, "f"), end("out", EYE, "m")])  # fmt: skip
     rod = {"header": {"ID": "rod", "name": "Rod"}, "bodies": [part], "joints": []}
     result = import_timor(database(tmp_path, rod), "frame")
-    assert "import it with --inertia-about com" in result.left_out[0][1]
+    assert 'import it with inertia_about "com"' in result.left_out[0][1]
     assert import_timor(database(tmp_path, rod)).modules[0].notes == (
         "body b: inertia taken as about the com (the only physical reading)",
     )

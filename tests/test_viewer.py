@@ -65,7 +65,7 @@ def test_without_a_screen_the_message_says_what_to_do(monkeypatch: pytest.Monkey
         check_viewer()
     assert str(caught.value) == (
         "view: there is no screen (neither DISPLAY nor WAYLAND_DISPLAY is set); "
-        "run it on a desktop, or make a video with --video run.mp4"
+        "run it on a desktop, or save a video of it"
     )
 
 

@@ -49,8 +49,8 @@ def load_robot(
     base: str | None = None,
     tip: str | None = None,
     lock: Mapping[str, float | str] | None = None,
-    tolerance: str | None = None,
-    payload: str | None = None,
+    tolerance: str | Mapping[str, object] | None = None,
+    payload: str | Mapping[str, object] | None = None,
     mount: Vector | None = None,
     gravity: Vector | None = None,
     xacro: Mapping[str, object] | None = None,
@@ -63,8 +63,10 @@ def load_robot(
         base: URDF only: link that the robot stands on, None = the root.
         tip: URDF only: link where the chain ends, None = every branch.
         lock: URDF only: joint name to the position [rad] or [m] that it is frozen at.
-        tolerance: URDF only: bounds where there are none, such as ``"mass=5%,com=5mm"``.
-        payload: Such as ``"mass=[0 kg, 2 kg], com=[0, 0, 50 mm], at=tool0"``.
+        tolerance: URDF only: bounds where there are none, such as ``"mass=5%,com=5mm"``, or
+            ``{"mass": "5%", "com": "5 mm"}`` with the keys of ``tolerance:`` in a file.
+        payload: Such as ``"mass=[0 kg, 2 kg], com=[0, 0, 50 mm], at=tool0"``, or a mapping with
+            the keys of ``payload:`` in a file; numbers are in SI units.
         mount: Roll, pitch, yaw [rad] of the root (of modules: of the base) in the world, in place
             of ``base: {rpy}``: three numbers or texts with units, or one text such as
             ``"0, 90 deg, 0"``.

@@ -61,6 +61,8 @@ class DescriptionError(InputError):
         self.field = field
         self.message = message
         where = "" if self.file is None else self.file if line is None else f"{self.file}:{line}"
+        if line is None and where and f"{field}.".startswith(f"{where}."):
+            where = ""  # an argument, whose name the field begins with
         super().__init__(": ".join(part for part in (where, field, message) if part))
 
 

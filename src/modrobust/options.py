@@ -17,7 +17,7 @@ from modrobust.formats.assembly import (
     xacro_arguments,
 )
 from modrobust.formats.fields import check
-from modrobust.formats.inline import parse_inline
+from modrobust.formats.given import given_mapping
 from modrobust.formats.models import PayloadModel
 from modrobust.formats.module import ModuleFields
 from modrobust.formats.overlay import UrdfSource
@@ -32,6 +32,11 @@ _INSTEAD = {
     "tolerance": "write the tolerance in the module files",
     "xacro": "leave it out",
     "packages": "leave it out",
+}
+_EXAMPLES = {
+    "tolerance": 'such as "mass=5%,com=5mm,inertia=10%" or {"mass": "5%", "com": "5 mm"}',
+    "payload": 'such as "mass=[0 kg, 2 kg], com=[0, 0, 50 mm]" or the same as a mapping',
+    "lock": 'such as {"finger": 0.02}, or "30 deg" as its value',
 }
 
 Vector = str | Sequence[float | str]
@@ -64,8 +69,8 @@ def with_options(
     base: str | None,
     tip: str | None,
     lock: Mapping[str, float | str],
-    tolerance: str | None,
-    payload: str | None,
+    tolerance: str | Mapping[str, object] | None,
+    payload: str | Mapping[str, object] | None,
     mount: Vector | None = None,
     gravity: Vector | None = None,
     xacro: Mapping[str, object] | None = None,
@@ -97,18 +102,18 @@ def with_options(
     source = description.urdf
     if source is None:
         raise ValueRangeError(
-            f"--{used[0]}: a robot of modules; this option is for robots that a URDF describes; "
+            f"{used[0]}: a robot of modules; this option is for robots that a URDF describes; "
             + _INSTEAD[used[0]]
         )
     if base is not None:
-        source = replace(source, base_link=ScalarNode(base, Where("--base", None)))
+        source = replace(source, base_link=ScalarNode(base, Where("base", None)))
     if tip is not None:
-        source = replace(source, tip_link=ScalarNode(tip, Where("--tip", None)))
-    where = Where("--lock", None)
-    nodes = {name: ScalarNode(str(value), where) for name, value in lock.items()}
-    source = replace(source, lock={**source.lock, **nodes})
+        source = replace(source, tip_link=ScalarNode(tip, Where("tip", None)))
+    if lock:
+        nodes = given_mapping(lock, "lock", _EXAMPLES["lock"]).entries
+        source = replace(source, lock={**source.lock, **nodes})
     if tolerance is not None:
-        node = parse_inline(tolerance, "--tolerance")
+        node = given_mapping(tolerance, "tolerance", _EXAMPLES["tolerance"])
         model = check(ToleranceModel, node, _name_tolerance)
         source = replace(source, tolerance=model)
     if xacro:
@@ -148,8 +153,8 @@ def _name_tolerance(location: tuple[int | str, ...]) -> str:
     return ".".join(["tolerance", *(str(step) for step in location)])
 
 
-def _with_payload(description: Assembly, text: str) -> Assembly:
-    node = parse_inline(text, "--payload")
+def _with_payload(description: Assembly, given: str | Mapping[str, object]) -> Assembly:
+    node = given_mapping(given, "payload", _EXAMPLES["payload"])
     fields = ModuleFields(MapNode({"payload": node}, node.where))
     model = check(PayloadModel, node, lambda location: fields.name(("payload", *location)))
     notes: list[str] = []

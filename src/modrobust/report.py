@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from modrobust.dh import DHTable
 from modrobust.dynamics import inverse_dynamics_bounds_batch
 from modrobust.kernel import own_environment
+from modrobust.magnitudes import magnitudes
 from modrobust.robot import ModuleNode, Robot
 
 Array = NDArray[np.float64]
@@ -83,6 +84,7 @@ def report(robot: Robot, poses: int = POSES, seed: int = SEED) -> Report:
     """The figures of a robot, from `poses` random poses within its position limits."""
     q = _poses(robot, poses, seed)
     torque = _static_torque(robot, q)
+    reach = _reach(robot, q)
     return Report(
         robot=robot.name,
         modules=robot.modules,
@@ -90,11 +92,11 @@ def report(robot: Robot, poses: int = POSES, seed: int = SEED) -> Report:
         links=_links(robot),
         joints=tuple(_joint(robot, i, float(torque[i])) for i in range(robot.n)),
         total_mass=_mass(robot, range(robot.b)),
-        reach=_reach(robot, q),
+        reach=reach,
         poses=poses,
         exact=exact_groups(robot),
         not_modelled=robot.not_modelled,
-        notes=(*robot.notes, *_pose_notes(robot)),
+        notes=(*robot.notes, *_pose_notes(robot), *magnitudes(robot, reach, torque)),
     )
 
 

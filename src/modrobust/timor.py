@@ -110,7 +110,7 @@ def import_timor(path: str | Path, inertia_about: str | None = None) -> Import:
     if inertia_about is None:
         notes.append(
             f'tensors that both readings allow are taken as about the "{default}"; '
-            "--inertia-about com|frame overrides it for all"
+            'inertia_about "com" or "frame" overrides it for all'
         )
     return Import(tuple(done.values()), tuple(left_out), tuple(notes))
 
@@ -303,7 +303,7 @@ def _body_lines(
         raise body.where.error(
             f"body {body.id}",
             f"about the {about} no rigid body has this tensor, about the {readings[0]} one has; "
-            f"import it with --inertia-about {readings[0]}",
+            f'import it with inertia_about "{readings[0]}"',
         )
     why = (
         "as told"

@@ -63,14 +63,15 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
     unmodelled = description.unmodelled.listed([joint.name for joint in joints], moving)
     notes += remark(unmodelled)
     notes += _placeholders(description, chosen)
+    notes += tolerances.remarks
     if tolerances.unused:
         keys = ", ".join(tolerances.unused)
         notes.append(f"tolerance without a parameter it applies to: {keys}")
     if not any(_bounded(joint, body) for joint in joints for body in bodies):
         notes.insert(
             0,
-            "no bounds are given: every figure of the URDF is taken as exact; give --tolerance "
-            '"mass=5%, com=5 mm, inertia=10%" or an assembly file with bounds',
+            "no bounds are given: every figure of the URDF is taken as exact; give a tolerance "
+            'such as "mass=5%, com=5 mm, inertia=10%", or an assembly file with bounds',
         )
     ends = {name: (joint, frame.rounded()) for name, (joint, frame) in chosen.frames.items()}
     parts = Parts(
@@ -245,7 +246,7 @@ def _need_mass(
                     f"no link behind it has mass ({', '.join(links)}); what moves has mass and "
                     "inertia; complete the <inertial>, give it in an assembly file (links: "
                     f"{{{links[0]}: {{mass: ..., com: ..., inertia: ...}}}}), or freeze the joint "
-                    f"(lock: {{{joint.name}: ...}})",
+                    f"(lock: {{{joint.name}: VALUE}})",
                 ),
             )
 

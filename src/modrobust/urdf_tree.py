@@ -254,7 +254,7 @@ class _Walk:
                 owner,
                 f"a {joint.type} joint; joints are revolute, continuous, prismatic or fixed; a "
                 f"robot with a base that moves freely is none here; take the part behind it "
-                f"with base_link: {joint.child} (--base {joint.child})",
+                f"with base_link: {joint.child}",
             )
 
     def _left_out(self, joint: Joint) -> None:
@@ -297,7 +297,7 @@ def _free_first(
             raise joint.where.error(
                 f"joint {joint.name}",
                 f'moves freely behind joint "{name}", which follows another; that is not modelled; '
-                f"freeze one of them with --lock {joint.name}=VALUE or --lock {name}=VALUE",
+                f"freeze one of them (lock: {{{joint.name}: VALUE}} or lock: {{{name}: VALUE}})",
             )
         ordered.append(Motion(joint, parent, motion.before, motion.after, follows))
     return ordered, {name: (index[i], frame) for name, (i, frame) in frames.items()}
@@ -317,7 +317,7 @@ def _leader(
         raise joint.mimic.where.error(
             f"joint {joint.name}, mimic",
             f'follows joint "{last.name}", which does not move here (fixed, or not chosen); a '
-            f"joint follows one that moves; freeze it with --lock {joint.name}=VALUE",
+            f"joint follows one that moves; freeze it (lock: {{{joint.name}: VALUE}})",
         )
     try:
         return at[last.name], float(multiplier), float(offset)

@@ -28,12 +28,12 @@ def check_viewer() -> None:
     if sys.platform == "linux" and not shown:
         raise MissingExtraError(
             "view: there is no screen (neither DISPLAY nor WAYLAND_DISPLAY is set); "
-            "run it on a desktop, or make a video with --video run.mp4"
+            "run it on a desktop, or save a video of it"
         )
     if sys.platform == "darwin" and not os.environ.get("MJPYTHON_BIN"):
         raise MissingExtraError(
             "view: MuJoCo's viewer needs its own Python on macOS; run "
-            '"mjpython -m modrobust simulate ... --view", or make a video with --video run.mp4'
+            "mjpython instead of python, or save a video of it"
         )
 
 
@@ -58,7 +58,7 @@ def view(result: SimulationResult, *, rounds: int | None = None) -> None:
     except (RuntimeError, mujoco.FatalError) as problem:
         raise MissingExtraError(
             f"view: the window cannot be opened ({problem}); "
-            "check the screen and its OpenGL, or make a video with --video run.mp4"
+            "check the screen and its OpenGL, or save a video of it"
         ) from None
     with window:
         for name in ("lookat", "distance", "azimuth", "elevation"):

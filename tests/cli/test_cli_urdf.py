@@ -42,7 +42,7 @@ def test_simulate_closes_the_loop_on_a_urdf(run, tmp_path: Path) -> None:
     result = run("simulate", *OPTIONS, "--duration", "1s", "--json")
     assert json.loads(result.stdout)["violations"] == 0
     assert result.stderr == ""
-    result = run("simulate", "arm.urdf", "--base", "a", "--duration", "20ms")
+    result = run("simulate", "arm.urdf", "--base", "a", "--duration", "20ms", "--json")
     assert result.stderr == ("arm.urdf: no bounds are given; every parameter is taken as exact\n")
 
 
@@ -51,7 +51,7 @@ def test_bench_takes_urdfs_and_their_options(run, tmp_path: Path) -> None:
     result = run("bench", "arm.urdf", "--lock", "gripp=0")
     assert (result.returncode, result.stdout) == (2, "")
     assert result.stderr == (
-        '--lock: lock.gripp: no joint named "gripp"; did you mean "grip"? known: one, two, grip\n'
+        '--lock: gripp: no joint named "gripp"; did you mean "grip"? known: one, two, grip\n'
     )
 
 
@@ -74,8 +74,7 @@ def test_bad_urdfs_and_options_exit_with_2_and_one_message(run, tmp_path: Path) 
         ),
         (
             ("arm.urdf", "--tip", "tol"),
-            '--tip: tip_link: no link named "tol"; did you mean "tool"? known: base, a, b, tool, '
-            "finger",
+            '--tip: no link named "tol"; did you mean "tool"? known: base, a, b, tool, finger',
         ),
         (
             ("lwa4p-paper", "--tolerance", "mass=5%"),

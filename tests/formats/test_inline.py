@@ -19,7 +19,7 @@ def plain(node: Node) -> object:
 
 def test_a_payload_on_one_line_reads_as_in_a_file() -> None:
     text = "mass=[0 kg, 2 kg], com=[0, 0, [20 mm, 80 mm]], inertia={xx: 1 ± 2%, yy=2}, at=tool0"
-    assert plain(parse_inline(text, "--payload")) == {
+    assert plain(parse_inline(text, "payload")) == {
         "mass": ["0 kg", "2 kg"],
         "com": ["0", "0", ["20 mm", "80 mm"]],
         "inertia": {"xx": "1 ± 2%", "yy": "2"},
@@ -28,7 +28,7 @@ def test_a_payload_on_one_line_reads_as_in_a_file() -> None:
 
 
 def test_tolerances_need_no_blanks() -> None:
-    assert plain(parse_inline("mass=5%,com=5mm", "--tolerance")) == {"mass": "5%", "com": "5mm"}
+    assert plain(parse_inline("mass=5%,com=5mm", "tolerance")) == {"mass": "5%", "com": "5mm"}
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from modrobust.cli.output import number, show, table
+from modrobust.cli.wording import as_options
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -41,7 +42,7 @@ def print_report(robot: Robot, report: Report) -> None:
     for title, lines in (
         ("Exact, without bounds", report.exact),
         ("Not modelled", report.not_modelled),
-        ("Remarks", report.notes),
+        ("Remarks", tuple(map(as_options, report.notes))),
     ):
         if lines:
             show(f"{title}:", *(Padding(Text(line), (0, 0, 0, 2)) for line in lines))

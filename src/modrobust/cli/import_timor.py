@@ -35,6 +35,7 @@ def import_timor(
 ) -> None:
     """Write the modules of a Timor database as module files."""
     from modrobust.cli.output import note, print_json, show
+    from modrobust.cli.wording import as_options
     from modrobust.timor import import_timor as read
     from modrobust.timor import write_modules
 
@@ -53,9 +54,9 @@ def import_timor(
         for remark in module.notes:
             note(f"{module.id}: {remark}")
     for remark in result.notes:
-        note(remark)
+        note(as_options(remark))
     for name, reason in result.left_out:
-        note(f"{name} left out: {reason}")
+        note(f"{name} left out: {as_options(reason)}")
     if not paths:
         raise typer.Exit(1)
 

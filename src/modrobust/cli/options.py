@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -104,20 +103,6 @@ def hertz(text: str) -> float:
         ) from None
 
 
-@contextmanager
-def named_as_options(*names: str) -> Iterator[None]:
-    """Arguments at fault are named as the options that gave them."""
-    from modrobust.errors import ValueRangeError
-
-    try:
-        yield
-    except ValueRangeError as error:
-        name, colon, rest = str(error).partition(":")
-        if name not in names or type(error) is not ValueRangeError:
-            raise
-        raise ValueRangeError(f"--{name.replace('_', '-')}{colon}{rest}") from None
-
-
 def robot(
     file: str,
     base: str | None,
@@ -136,21 +121,37 @@ def robot(
     Where nothing has a bound, this is said on stderr, unless the command shows it anyway.
     """
     from modrobust.assembly import load_robot
+    from modrobust.cli.wording import named_as_options
+    from modrobust.urdf_xml import SUFFIXES
 
     locked = _pairs(lock, "=", "--lock", "JOINT=VALUE", "finger_joint=0.02", "locked")
-    loaded = load_robot(
-        file,
-        base=base,
-        tip=tip,
-        lock=locked,
-        tolerance=tolerance,
-        payload=payload,
-        mount=mount,
-        gravity=gravity,
-        xacro=_pairs(xacro, ":=", "--xacro", "NAME:=VALUE", "prefix:=left_", "given"),
-        packages=_pairs(package, "=", "--package", "NAME=PATH", "ur_description=src/ur", "given"),
+    arguments = _pairs(xacro, ":=", "--xacro", "NAME:=VALUE", "prefix:=left_", "given")
+    folders = _pairs(package, "=", "--package", "NAME=PATH", "ur_description=src/ur", "given")
+    options = (
+        "base",
+        "tip",
+        "lock",
+        "tolerance",
+        "payload",
+        "mount",
+        "gravity",
+        "xacro",
+        "packages",
     )
-    if say_exact and bool((loaded.lower.packed == loaded.upper.packed).all()):
+    with named_as_options(*options, remedies=Path(file).suffix.lower() in SUFFIXES):
+        loaded = load_robot(
+            file,
+            base=base,
+            tip=tip,
+            lock=locked,
+            tolerance=tolerance,
+            payload=payload,
+            mount=mount,
+            gravity=gravity,
+            xacro=arguments,
+            packages=folders,
+        )
+    if say_exact and not loaded.uncertain:
         from modrobust.cli.output import note
 
         note(f"{file}: no bounds are given; every parameter is taken as exact")

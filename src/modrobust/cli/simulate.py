@@ -20,7 +20,6 @@ from modrobust.cli.options import (
     Tolerance,
     Xacro,
     hertz,
-    named_as_options,
     robot,
     seconds,
 )
@@ -108,6 +107,7 @@ def simulate(
     wanted, rate = seconds(duration), hertz(control_rate)
     from modrobust.cli.output import ProgressBar, note, print_json
     from modrobust.cli.simulate_start import Start
+    from modrobust.cli.wording import named_as_options
     from modrobust.errors import ValueRangeError, visible
     from modrobust.result import check_writable
     from modrobust.simulation import simulate as run
@@ -119,7 +119,8 @@ def simulate(
     if log is not None:
         check_writable(log)
     check_pictures(video, view)
-    arm = robot(file, base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
+    places = (base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
+    arm = robot(file, *places, say_exact=json)  # else the verdict says
     options = ["control_rate", "scenario", "parameters"]
     options += ["duration"] if duration is not None else []  # else it is the file's
     options += ["trajectory"] if trajectory is not None else []

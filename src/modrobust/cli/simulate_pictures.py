@@ -29,9 +29,11 @@ def check_pictures(video: Path | None, view: bool) -> None:
 
         check_video(video)
     if view:
+        from modrobust.cli.wording import named_as_options
         from modrobust.viewer import check_viewer
 
-        check_viewer()
+        with named_as_options(remedies=True):
+            check_viewer()
 
 
 def show_pictures(result: SimulationResult, video: Path | None, view: bool) -> None:
@@ -45,9 +47,11 @@ def show_pictures(result: SimulationResult, video: Path | None, view: bool) -> N
             with ProgressBar(f"Rendering {video.name}") as bar:
                 save_video(result, video, progress=bar)
         if view:
+            from modrobust.cli.wording import named_as_options
             from modrobust.viewer import view as play
 
-            play(result)
+            with named_as_options(remedies=True):
+                play(result)
     except KeyboardInterrupt:
         note("interrupted; the figures above stand, no video was written")
         raise typer.Exit(130) from None

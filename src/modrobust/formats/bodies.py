@@ -56,7 +56,7 @@ def read_masses(mass: Node, com: Node, prefix: str, tolerances: Tolerances) -> M
         raise mass.where.error(
             f"{prefix}mass",
             f"lower bound {bounded_mass.lo:g} kg is negative; a mass is at least 0; "
-            "narrow the bounds",
+            + tolerances.remedy("mass", written),
         )
     x, y, z = vector = parse_vector(com, ("length",), f"{prefix}com")
     bounded_com = (

@@ -15,7 +15,7 @@ def parse_inline(text: str, option: str) -> MapNode:
 
     Args:
         text: Such as ``mass=5%,com=5mm``; ``[a, b]`` is a list, ``{k: v}`` or ``{k=v}`` a mapping.
-        option: What messages call the text, such as ``--payload``.
+        option: What messages call the text, such as ``payload``.
 
     Raises:
         ValueRangeError: The text is not of that form.

@@ -148,11 +148,13 @@ def _parameter(
     if node is None:
         return None
     field = f"{prefix}{key}"
-    written = tolerances.apply(key, parse_written(node, (dimension,), field), dimension)
-    quantity = written.quantity()
+    written = parse_written(node, (dimension,), field)
+    quantity = tolerances.apply(key, written, dimension).quantity()
     if quantity.lo < 0:
         what = "lower bound " if quantity.bounded else ""
+        by_tolerance = quantity.bounded and not written.bounded
+        remedy = tolerances.remedy(key, written) if by_tolerance else "correct it"
         raise node.where.error(
-            field, f"{what}{quantity.lo:g} is negative; it is at least 0; correct it"
+            field, f"{what}{quantity.lo:g} is negative; it is at least 0; {remedy}"
         )
     return quantity

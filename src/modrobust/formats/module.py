@@ -159,7 +159,7 @@ def _resolve(model: ModuleModel) -> Module:
         connector_out=_connector(ends.out if ends else None, "connectors.out"),
         items=tuple(items),
         unused_tolerances=tolerances.unused,
-        notes=tuple(notes),
+        notes=(*notes, *tolerances.remarks),
         where=model.where,
     )
 

@@ -6,9 +6,10 @@ from fractions import Fraction
 
 from modrobust.formats.exact import Enclosure
 from modrobust.formats.nodes import Node, ScalarNode, shown
-from modrobust.formats.number import NumberError
+from modrobust.formats.number import NumberError, parse_number
 from modrobust.formats.part_models import ToleranceModel
 from modrobust.formats.quantity import Written, parse_percent, parse_written
+from modrobust.formats.units import DIMENSIONS
 
 _DIMENSIONS = {
     "mass": ("mass",),
@@ -18,6 +19,14 @@ _DIMENSIONS = {
     "viscous": ("angular viscous friction", "viscous friction"),
     "coulomb": ("torque", "force"),
 }
+
+_MUCH = 0.1  # [m], more than a centre of mass is ever wrong by
+
+
+def _meant(value: float) -> str:
+    """How the per cent is written that a bare number was likely meant as: 5 or 0.05 for 5 %."""
+    percent = value if value > 0.5 else 100.0 * value
+    return f"{percent:g} % is written {percent:g}%"
 
 
 class Tolerances:
@@ -36,6 +45,35 @@ class Tolerances:
     def unused(self) -> tuple[str, ...]:
         """Keys that no parameter without a bound of its own was there for."""
         return tuple(key for key in self._nodes if key not in self._used)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is likely a slip: a number without a unit where a per cent is usual."""
+        found = []
+        for key, (dimension, *_) in _DIMENSIONS.items():
+            bare = self._bare(key) if key in self._used else None
+            if bare is not None and (key != "com" or bare[1] >= _MUCH):
+                text, value = bare
+                meant = _meant(value) if key != "com" else f"{value:g} mm is written {value:g} mm"
+                unit = DIMENSIONS[dimension].si
+                found.append(f"tolerance.{key}: {text} is {text} {unit}, not a per cent; {meant}")
+        return tuple(found)
+
+    def remedy(self, key: str, value: Written) -> str:
+        """What to do where the lower bound of `value` is too low."""
+        bare = None if value.bounded else self._bare(key)
+        if bare is not None:
+            return f"the tolerance {bare[0]} is no per cent; {_meant(bare[1])}"
+        return "narrow the bounds" if value.bounded else "narrow the tolerance"
+
+    def _bare(self, key: str) -> tuple[str, float] | None:
+        """Text and value of a width without unit and without %, unless it is 0."""
+        node = self._nodes.get(key)
+        if not isinstance(node, ScalarNode) or node.text.rstrip().endswith("%"):
+            return None
+        number = parse_number(node.text, tuple(DIMENSIONS[name] for name in _DIMENSIONS[key]))
+        value = float(number.value.middle)
+        return None if number.unit is not None or value == 0.0 else (f"{value:g}", value)
 
     def apply(
         self,

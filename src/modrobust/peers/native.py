@@ -131,7 +131,7 @@ def require_comparable(robot: Robot) -> None:
     if robot.j != robot.n:
         raise ValueRangeError(
             f"{robot.name}: {robot.j - robot.n} joints follow others; other libraries take them as "
-            "free, so that times cannot be compared. Lock them or choose a --tip before them"
+            "free, so that times cannot be compared. Lock them or choose a tip before them"
         )
 
 
