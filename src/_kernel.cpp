@@ -85,21 +85,27 @@ class Model {
   public:
     Model(const Ints &joint_type, const Ints &parent, const Stack &before, const Stack &after,
           const Vec &gravity, const Ints &body_joint, const Stack &placement,
-          const Vec &gear_ratio, const Vec &coulomb_speed, const Ints &leader,
+          const Vec &gear_ratio, const Vec &coulomb_speed, const Ints &moves, const Ints &leader,
           const Vec &multiplier, const Vec &offset)
         : types(ints(joint_type)), parents(ints(parent)), befores(transforms(before)),
           afters(transforms(after)), joints(ints(body_joint)), placements(transforms(placement)),
-          ratios(doubles(gear_ratio)), speeds(doubles(coulomb_speed)), leaders(ints(leader)),
-          multipliers(doubles(multiplier)), offsets(doubles(offset)) {
+          ratios(doubles(gear_ratio)), speeds(doubles(coulomb_speed)), moved(ints(moves)),
+          leaders(ints(leader)), multipliers(doubles(multiplier)), offsets(doubles(offset)) {
         const size_t j = types.size(), b = joints.size(), followers = leaders.size();
         require(j > followers && parents.size() == j && befores.size() == j &&
                     afters.size() == j && ratios.size() == j && speeds.size() == j &&
-                    placements.size() == b && gravity.size() == 3 &&
+                    placements.size() == b && gravity.size() == 3 && moved.size() == j &&
                     multipliers.size() == followers && offsets.size() == followers,
                 "Model: arrays of joints and bodies differ in length");
         const size_t free = j - followers;
         for (int32_t l : leaders)
             require(l >= 0 && l < static_cast<int32_t>(free), "Model: a leader is a free joint");
+        std::vector<int32_t> once(moved);
+        std::sort(once.begin(), once.end());
+        for (size_t i = 0; i < j; ++i)
+            require(once[i] == static_cast<int32_t>(i) &&
+                        (i == 0 || i >= free || moved[i - 1] < moved[i]),
+                    "Model: moves names each joint once, the free ones first and ascending");
         for (size_t i = 0; i < j; ++i) {
             require(parents[i] >= -1 && parents[i] < static_cast<int32_t>(i),
                     "Model: a joint's parent must come before it");
@@ -120,6 +126,7 @@ class Model {
         c.placement = placements.data();
         c.gear_ratio = ratios.data();
         c.coulomb_speed = speeds.data();
+        c.moves = moved.data();
         c.leader = leaders.data();
         c.multiplier = multipliers.data();
         c.offset = offsets.data();
@@ -148,7 +155,7 @@ class Model {
     std::vector<int32_t> joints;
     std::vector<mr_transform> placements;
     Doubles ratios, speeds;
-    std::vector<int32_t> leaders;
+    std::vector<int32_t> moved, leaders;
     Doubles multipliers, offsets, folded;
 };
 
@@ -533,10 +540,10 @@ NB_MODULE(_kernel, m) {
     nb::class_<Model>(m, "Model")
         .def(nb::init<const Ints &, const Ints &, const Stack &, const Stack &, const Vec &,
                       const Ints &, const Stack &, const Vec &, const Vec &, const Ints &,
-                      const Vec &, const Vec &>(),
+                      const Ints &, const Vec &, const Vec &>(),
              "joint_type"_a, "parent"_a, "before"_a, "after"_a, "gravity"_a, "body_joint"_a,
-             "placement"_a, "gear_ratio"_a, "coulomb_speed"_a, "leader"_a, "multiplier"_a,
-             "offset"_a)
+             "placement"_a, "gear_ratio"_a, "coulomb_speed"_a, "moves"_a, "leader"_a,
+             "multiplier"_a, "offset"_a)
         .def_prop_ro("n", [](const Model &model) { return model.c.n; })
         .def_prop_ro("b", [](const Model &model) { return model.c.b; });
 

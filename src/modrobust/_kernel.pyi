@@ -36,6 +36,7 @@ class Model:
         placement: _Array,
         gear_ratio: _Array,
         coulomb_speed: _Array,
+        moves: _Ints,
         leader: _Ints,
         multiplier: _Array,
         offset: _Array,

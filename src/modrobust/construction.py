@@ -34,7 +34,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
     joints = parts.joints
     bodies = [*parts.bodies, *_payload(description, parts)]
     nominal, lower, upper = (_parameters(bodies, joints, end) for end in ("nominal", "lo", "hi"))
-    free = [joint for joint in joints if joint.follows is None]  # the others stand behind them
+    free = [joint for joint in joints if joint.follows is None]
     names = tuple(joint.name for joint in free)
     items = [joint.item for joint in free]
     types = tuple(item.type for item in items)
@@ -127,12 +127,15 @@ def _payload(description: Assembly, parts: Parts) -> list[PlacedBody]:
 
 
 def _followers(joints: Sequence[PlacedJoint]) -> Followers:
-    found = [(joint.name, joint.follows) for joint in joints if joint.follows is not None]
+    free = [i for i, joint in enumerate(joints) if joint.follows is None]
+    entry = {i: k for k, i in enumerate(free)}
+    found = [(i, *joint.follows) for i, joint in enumerate(joints) if joint.follows is not None]
     return Followers(
-        names=tuple(name for name, _ in found),
-        leaders=np.array([leader for _, (leader, _, _) in found], dtype=np.int32),
-        multiplier=np.array([multiplier for _, (_, multiplier, _) in found], dtype=np.float64),
-        offset=np.array([offset for _, (_, _, offset) in found], dtype=np.float64),
+        names=tuple(joints[i].name for i, *_ in found),
+        leaders=np.array([entry[leader] for _, leader, _, _ in found], dtype=np.int32),
+        multiplier=np.array([multiplier for _, _, multiplier, _ in found], dtype=np.float64),
+        offset=np.array([offset for _, _, _, offset in found], dtype=np.float64),
+        joints=np.array([i for i, *_ in found], dtype=np.int32),
     )
 
 

@@ -94,7 +94,7 @@ def _largest_excess(value: Array, lo: Array, hi: Array) -> tuple[int, int] | Non
 def _refusal(
     robot: Robot, name: str, j: int, value: float, kind: _Kind, where: str, remedy: str
 ) -> ValueRangeError:
-    unit = ("rad" if robot.joint_types[j] == "revolute" else "m") + kind.per
+    unit = ("rad" if robot.free_types[j] == "revolute" else "m") + kind.per
     lo, hi = kind.limits(robot)
     return ValueRangeError(
         f'{name}: joint "{robot.joint_names[j]}" {kind.verb} {value:.6g} {unit}{where}; its '

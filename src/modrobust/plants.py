@@ -86,7 +86,7 @@ class MujocoPlant:
         self._led = _Led(robot) if robot.j > robot.n else None
         self._disturbance, self._h, self._substeps = disturbance, dt / substeps, substeps
         self._data.qpos[self._places] = robot.all_positions(np.asarray(q0))
-        self._data.qvel[self._dofs[: robot.n]] = dq0
+        self._data.qvel[self._dofs[robot.free]] = dq0
         self.q, self.dq = np.array(q0), np.array(dq0)
 
     def advance(self, tau: Array) -> None:
@@ -217,8 +217,9 @@ class _Led:
     def __init__(self, robot: Robot) -> None:
         f = robot.followers
         self.positions = robot.all_positions
-        self.G = np.eye(robot.j, robot.n)
-        self.G[np.arange(robot.n, robot.j), f.leaders] = f.multiplier
+        self.G = np.zeros((robot.j, robot.n))
+        self.G[robot.free, np.arange(robot.n)] = 1.0
+        self.G[f.joints, f.leaders] = f.multiplier
 
     def acceleration(self, M: Array, bias: Array, drive: Array) -> Array:
         """Of the free joints ``(n,)``: M (j, j), bias (j,), drive (n,)."""

@@ -42,16 +42,16 @@ def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
         # Masses are bounded where they are read: it is a drive or a length.
         with np.errstate(over="ignore", invalid="ignore"):
             drives = robot.gear_ratio**2 * robot.nominal.rotor_inertia
-        worst = int(np.argmax(np.nan_to_num(drives[: robot.n], nan=np.inf, posinf=np.inf)))
-        raise where[worst].error(
+        worst = int(np.argmax(np.nan_to_num(drives[robot.free], nan=np.inf, posinf=np.inf)))
+        raise where[robot.free[worst]].error(
             f"joint {robot.joint_names[worst]}",
             "the inertia that it moves is not finite; a figure is far too large; check the "
             "exponents of its drive and of the lengths behind it",
         ) from None
     joint = singular_joint(M)
     if joint is not None:
-        axis = "along" if robot.joint_types[joint] == "prismatic" else "about"
-        raise where[joint].error(
+        axis = "along" if robot.free_types[joint] == "prismatic" else "about"
+        raise where[robot.free[joint]].error(
             f"joint {robot.joint_names[joint]}",
             f"nothing behind it has inertia {axis} its axis, so the mass matrix is singular "
             "(nominal parameters, drives included); give it a drive or a body with inertia",
@@ -62,13 +62,14 @@ def _turns_too_far(robot: Robot, where: Sequence[Where], q: Array) -> Descriptio
     """What to say where a follower's angle (15) passes what the kernel computes with."""
     revolute = np.array(robot.joint_types) == "revolute"
     joint = int(np.argmax(np.where(revolute, np.abs(robot.all_positions(q)), 0.0)))
-    f, k = robot.followers, joint - robot.n
+    f = robot.followers
+    k = int(np.flatnonzero(f.joints == joint)[0])
     leader = f.leaders[k]
     return where[joint].error(
         f"joint {robot.all_joint_names[joint]}, mimic",
         f"follows joint {robot.joint_names[leader]} with multiplier {f.multiplier[k]:g} and offset "
         f"{f.offset[k]:g} rad, so that it passes {_kernel.ANGLE_MAX:g} rad while that one moves by "
-        f"1 {'rad' if revolute[leader] else 'm'}; no joint turns so far; correct the two",
+        f"1 {'rad' if revolute[robot.free[leader]] else 'm'}; no joint turns so far; correct the two",
     )
 
 

@@ -7,7 +7,7 @@ to those of its parent's link frame (or of the base frame, parent -1). interface
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -47,7 +47,7 @@ class Robot:
     gravity: Array  # (3,) [m/s^2], world axes
     base: Array  # (4, 4), world to base frame
     joint_names: tuple[str, ...]
-    joint_types: tuple[str, ...]  # (j) "revolute" or "prismatic"
+    joint_types: tuple[str, ...]  # (j) "revolute" or "prismatic"; those of the free: free_types
     parents: NDArray[np.int32]  # (j,), -1 = base; parents[i] < i
     before: Array  # (j, 4, 4)
     after: Array  # (j, 4, 4)
@@ -89,6 +89,9 @@ class Robot:
     def __post_init__(self) -> None:
         if not self.acceleration_limits.size:
             object.__setattr__(self, "acceleration_limits", np.full(self.n, np.inf))
+        if not self.followers.joints.size:
+            behind = np.arange(self.n, self.j, dtype=np.int32)
+            object.__setattr__(self, "followers", replace(self.followers, joints=behind))
         freeze(self)
         for name in ("scenarios", "scenario_notes"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
@@ -113,6 +116,7 @@ class Robot:
                 "coulomb_speed": (self.coulomb_speed, (j,)),
                 "body_joints": (self.body_joints, (b,)),
                 "placement": (self.placement, (b, 4, 4)),
+                "followers.joints": (f.joints, (j - n,)),
                 "followers.leaders": (f.leaders, (j - n,)),
                 "followers.multiplier": (f.multiplier, (j - n,)),
                 "followers.offset": (f.offset, (j - n,)),
@@ -122,7 +126,7 @@ class Robot:
             },
             owner,
         )
-        check_tree(self.joint_types, self.parents, self.body_joints, f.leaders, n)
+        check_tree(self.joint_types, self.parents, self.body_joints, f, n)
         for name in ("base", "before", "after", "placement"):
             check_rigid(name, getattr(self, name))
         for name in ("mass", "com", "inertia", "rotor_inertia", "viscous", "coulomb"):
@@ -147,14 +151,34 @@ class Robot:
 
     @property
     def all_joint_names(self) -> tuple[str, ...]:
-        """Names of the j joints, the free ones first."""
-        return self.joint_names + self.followers.names
+        """Names of the j joints, in the order of the arrays of joint data."""
+        names = dict(zip(self.moves.tolist(), self.joint_names + self.followers.names, strict=True))
+        return tuple(names[i] for i in range(self.j))
+
+    @cached_property
+    def moves(self) -> NDArray[np.int32]:
+        """Index of the joint that entry i of a vector (n,) moves; then of those that follow."""
+        free = np.setdiff1d(np.arange(self.j, dtype=np.int32), self.followers.joints)
+        return np.concatenate([free, self.followers.joints])
+
+    @property
+    def free(self) -> NDArray[np.int32]:
+        """Indices (n,) of the joints that move freely, ascending."""
+        return self.moves[: self.n]
+
+    @property
+    def free_types(self) -> tuple[str, ...]:
+        """Types of the n free joints."""
+        return tuple(self.joint_types[i] for i in self.free)
 
     @own_environment()
     def all_positions(self, q: Array) -> Array:
         """Positions of the j joints (..., j) for those of the free ones (..., n), (15)."""
         f = self.followers
-        return np.concatenate([q, f.multiplier * q[..., f.leaders] + f.offset], axis=-1)
+        everything = np.empty((*np.shape(q)[:-1], self.j))
+        everything[..., self.free] = q
+        everything[..., f.joints] = f.multiplier * q[..., f.leaders] + f.offset
+        return everything
 
     @cached_property
     @own_environment()
@@ -175,6 +199,7 @@ class Robot:
             self.placement,
             self.gear_ratio,
             self.coulomb_speed,
+            self.moves,
             self.followers.leaders,
             self.followers.multiplier,
             self.followers.offset,
@@ -267,9 +292,10 @@ class Robot:
         }
 
     def _joint_dict(self, i: int) -> dict[str, Any]:
-        free = i < self.n
-        position = self.position_limits[i] if free else np.full(2, np.inf)
-        follower = {} if free else {"mimic": self._mimic_dict(i - self.n)}
+        entry = int(np.flatnonzero(self.moves == i)[0])  # of the free ones, then the followers
+        free = entry < self.n
+        position = self.position_limits[entry] if free else np.full(2, np.inf)
+        follower = {} if free else {"mimic": self._mimic_dict(entry - self.n)}
         return {
             "name": self.all_joint_names[i],
             "type": self.joint_types[i],
@@ -278,8 +304,8 @@ class Robot:
             "after": self.after[i].tolist(),
             "limits": {
                 "position": position.tolist() if np.isfinite(position).all() else None,
-                "velocity": _finite(self.velocity_limits[i]) if free else None,
-                "effort": _finite(self.effort_limits[i]) if free else None,
+                "velocity": _finite(self.velocity_limits[entry]) if free else None,
+                "effort": _finite(self.effort_limits[entry]) if free else None,
             },
             **follower,
             "drive": {
@@ -295,7 +321,7 @@ class Robot:
 
     def _mimic_dict(self, k: int) -> dict[str, Any]:
         return {
-            "joint": int(self.followers.leaders[k]),
+            "joint": int(self.free[self.followers.leaders[k]]),
             "multiplier": float(self.followers.multiplier[k]),
             "offset": float(self.followers.offset[k]),
         }

@@ -269,7 +269,7 @@ def default_trajectory(robot: Robot, duration: float = DEFAULT_DURATION, seed: i
     if not (math.isfinite(duration) and duration > 0.0):
         raise ValueRangeError(f"duration: {duration:g} s; must be positive and finite")
     rng = np.random.default_rng(as_integer("seed", seed, 0))
-    revolute = np.array([kind == "revolute" for kind in robot.joint_types[: robot.n]])
+    revolute = np.array([kind == "revolute" for kind in robot.free_types])
     half = np.where(revolute, math.pi / 2.0, 0.25)  # [rad], [m]
     lo, hi = robot.position_limits.T
     lo, hi = (

@@ -183,11 +183,15 @@ def _need_mass(
             "no link that moves has mass: a file for pictures, not for dynamics; use another "
             "description of this robot, or give mass, com and inertia in an assembly file (links:)",
         )
+    pending = list(loaded - {-1})
+    while pending:
+        joint = joints[pending.pop()]
+        carriers = {joint.parent} | ({joint.follows[0]} if joint.follows else set())
+        pending += carriers - loaded - {-1}
+        loaded |= carriers
     for index in range(len(joints) - 1, -1, -1):
         joint = joints[index]
-        if index in loaded:
-            loaded |= {joint.parent} if joint.follows is None else {joint.parent, joint.follows[0]}
-        elif joint.follows is None and joint.item.rotor_inertia is None:
+        if index not in loaded and joint.follows is None and joint.item.rotor_inertia is None:
             links = [name for name, (owner, _) in chosen.frames.items() if owner == index]
             raise joint.item.where.error(
                 f"joint {joint.name}",

@@ -137,6 +137,6 @@ def model_maker(robot: Robot) -> Callable[[], _kernel.Model]:
     types = np.array([kind == "prismatic" for kind in robot.joint_types], dtype=np.int32)
     return lambda: _kernel.Model(
         types, robot.parents, robot.before, robot.after, robot.gravity, robot.body_joints,
-        robot.placement, robot.gear_ratio, robot.coulomb_speed, followers.leaders,
-        followers.multiplier, followers.offset,
+        robot.placement, robot.gear_ratio, robot.coulomb_speed, robot.moves,
+        followers.leaders, followers.multiplier, followers.offset,
     )  # fmt: skip

@@ -107,7 +107,7 @@ def _joints(robot: Robot, figures: Mapping[str, Any]) -> Table:
     for j, name in enumerate(robot.joint_names):
         rows.add_row(
             name,
-            "N m" if robot.joint_types[j] == "revolute" else "N",
+            "N m" if robot.free_types[j] == "revolute" else "N",
             *(
                 number(None if figures[key] is None else figures[key][j])
                 for key in ("tau_max", "tau_limit", "width_hull", "width_ianea", "width_ratio")

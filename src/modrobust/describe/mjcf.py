@@ -203,7 +203,7 @@ def _lost(robot: Robot, point: Parameters) -> list[str]:
             "Coulomb friction as F_c s(dq); frictionloss holds F_c, MuJoCo makes a constraint of it"
         )
     if robot.j > robot.n:
-        following = np.arange(robot.j) >= robot.n
+        following = np.isin(np.arange(robot.j), robot.followers.joints)
         lost.append(f"that {listed(robot, following)} follow exactly; MuJoCo's equality is soft")
     if np.isfinite(robot.velocity_limits).any():
         lost.append("velocity limits")
