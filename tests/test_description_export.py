@@ -32,6 +32,7 @@ def cases() -> list[Robot]:
         random_robot(rng, 9, tree=True),
         random_robot(rng, 12),
         tied(random_robot(rng, 6, tree=True), 4, rng),
+        tied(random_robot(rng, types="rrprr"), 3, rng, anywhere=True),
         *available(),
     ]
 

@@ -24,6 +24,7 @@ LAYERS = {
     "arguments": 1,
     "arrays": 1,
     "geometry": 1,
+    "definite": 2,
     "dh": 2,
     "formats": 2,
     "parameters": 2,

@@ -105,10 +105,9 @@ def for_pinocchio(path: Path, folder: Path) -> Path:
 def spread(arm: mr.Robot) -> tuple[tuple[str, ...], Array]:
     """Names of all joints, and G (j, n) with velocities of all joints = G dq."""
     rows = np.zeros((arm.j, arm.n))
-    rows[: arm.n] = np.eye(arm.n)
+    rows[arm.free, np.arange(arm.n)] = 1.0
     f = arm.followers
-    for k, (leader, multiplier) in enumerate(zip(f.leaders, f.multiplier, strict=True)):
-        rows[arm.n + k, leader] = multiplier
+    rows[f.joints, f.leaders] = f.multiplier
     return arm.all_joint_names, rows
 
 

@@ -209,15 +209,6 @@ ROBOTS = {
         "robot with a base that moves freely is none here; take the part behind it with "
         "base_link: arm (--base arm)",
     ),
-    "free behind a follower": (
-        robot(
-            BASE, TURN, ARM, link("finger"), link("tip"),
-            joint("follow", "arm", "finger", inside=AXIS + LIMIT + '<mimic joint="turn"/>'),
-            joint("last", "finger", "tip"),
-        ),
-        ':8: joint last: moves freely behind joint "follow", which follows another; that is not '
-        "modelled; freeze one of them with --lock last=VALUE or --lock follow=VALUE",
-    ),
     "leader that does not move": (
         robot(
             BASE, joint("turn", "base", "arm", "fixed", ""), ARM, link("finger"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,7 +90,8 @@ def build(description: Assembly, parts: Parts) -> Robot:
         followers=_followers(joints),
     )
     refuse_singular(robot, [joint.item.where for joint in joints])
-    return robot
+    remark = _unphysical(robot, parts.place)
+    return replace(robot, notes=(*robot.notes, remark)) if remark else robot
 
 
 def _payload(description: Assembly, parts: Parts) -> list[PlacedBody]:
@@ -161,6 +163,32 @@ def _scenario_notes(
         )
         if not physical
     ]
+
+
+def _unphysical(robot: Robot, place: str) -> str:
+    """The one remark on bodies whose figures no rigid body has; empty where there are none."""
+    if not robot.unphysical:
+        return ""
+    kind, kinds = ("link", "links") if place == "link" else ("body", "bodies")
+    count = len(robot.unphysical)
+    worst = max(robot.unphysical, key=robot.unphysical.__getitem__)
+    by = robot.unphysical[worst]
+    mass = robot.nominal.mass[robot.body_names.index(worst)]
+    if np.isfinite(by):
+        found = f"largest principal moment {100.0 * by:.3g} % above the sum of the other two"
+    elif mass == 0.0:
+        found = "an inertia tensor without mass"
+    else:
+        found = "a principal moment about one axis alone"
+    if count == 1:
+        return (
+            f"{kind} {worst}: {found}; no rigid body has that; taken as written, since the mass "
+            "matrix is positive definite"
+        )
+    return (
+        f"{count} {kinds} have figures that no rigid body has, {worst} most ({found}); taken as "
+        "written, since the mass matrix is positive definite"
+    )
 
 
 def _parameters(

@@ -17,10 +17,12 @@ from numpy.typing import NDArray
 
 from modrobust import _kernel
 from modrobust.arguments import as_integer
+from modrobust.definite import is_definite, pulled_to_definite, seeded_poses
 from modrobust.dh import DHTable, dh_table
 from modrobust.errors import ValueRangeError
 from modrobust.kernel import own_environment
 from modrobust.parameters import Bounded, Parameters, freeze, remade
+from modrobust.physical import excess
 from modrobust.robot_checks import check_box, check_lengths, check_rigid, check_tree
 from modrobust.robot_parts import ControllerSettings, Followers, ModuleNode, TrajectorySettings
 from modrobust.sampling import corner_point, physical_pull, sample_point
@@ -37,6 +39,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+_REDRAWS = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,6 +211,18 @@ class Robot:
 
     @cached_property
     @own_environment()
+    def unphysical(self) -> Mapping[str, float]:
+        """Moving bodies whose nominal figures no rigid body has, and by how much.
+
+        That is how far the largest principal moment is above the sum of the other two, relative to
+        that sum; infinite for a moment about one axis alone, and for a tensor without mass.
+        """
+        beyond = excess(self.nominal.mass, self.nominal.inertia)
+        moving = np.flatnonzero((beyond > 0.0) & (self.body_joints >= 0))
+        return MappingProxyType({self.body_names[k]: float(beyond[k]) for k in moving})
+
+    @cached_property
+    @own_environment()
     def dh(self) -> DHTable | None:
         """Standard D-H table in the base frame, for display; None when joints branch."""
         if self.j != self.n or not np.array_equal(self.parents, np.arange(-1, self.n - 1)):
@@ -219,12 +235,23 @@ class Robot:
 
         Every tensor is positive definite and keeps the triangle inequality (as far as the nominal
         one does). Where 1,365 draws in a row are not physical, the last one is pulled straight
-        towards nominal until it is. Exact entries stay exact.
+        towards nominal until it is. Exact entries stay exact. Where a nominal body is not physical
+        itself, points are drawn until M(q) > 0 at 16 seeded poses, an estimate for all poses; the
+        last of 64 is pulled towards nominal until it is so.
 
         Args:
             rng: A numpy Generator, or an int that seeds one.
         """
-        return sample_point(self.nominal, self.lower, self.upper, _generator(rng))
+        generator = _generator(rng)
+        point = sample_point(self.nominal, self.lower, self.upper, generator)
+        if not self.unphysical:
+            return point
+        poses = seeded_poses(self.position_limits)
+        for _ in range(_REDRAWS):
+            if is_definite(self.model, point, poses):
+                return point
+            point = sample_point(self.nominal, self.lower, self.upper, generator)
+        return pulled_to_definite(self.model, self.nominal, point, poses)
 
     @own_environment()
     def corner_parameters(self, rng: np.random.Generator | int) -> Parameters:
@@ -241,7 +268,9 @@ class Robot:
     ) -> tuple[Parameters, tuple[str, ...]]:
         """A vertex of the box that a real robot could have, as nearly as the box allows.
 
-        Tensors that no body can have are pulled straight towards nominal until one can.
+        Tensors that no body can have are pulled straight towards nominal until one can. Where a
+        nominal body is not physical itself, the whole point is then pulled, if need be, until
+        M(q) > 0 at 16 seeded poses.
 
         Args:
             which: "lower", "upper", or "corner" for the one that `corner_parameters` draws.
@@ -258,6 +287,11 @@ class Robot:
         ends = {"lower": self.lower, "upper": self.upper}
         vertex = ends[which] if which in ends else self.corner_parameters(rng)
         point, pulled = physical_pull(self.nominal, vertex)
+        if self.unphysical:
+            poses = seeded_poses(self.position_limits)
+            inside = pulled_to_definite(self.model, self.nominal, point, poses)
+            if inside is not point:
+                return inside, self.body_names
         return point, tuple(self.body_names[k] for k in pulled)
 
     def to_dict(self) -> dict[str, Any]:
@@ -289,6 +323,10 @@ class Robot:
             "dh": None if self.dh is None else _dh_dict(self.dh),
             "exact": list(self.exact),
             "not_modelled": list(self.not_modelled),
+            "unphysical": [
+                {"body": name, "excess": _finite(beyond)}
+                for name, beyond in self.unphysical.items()
+            ],
         }
 
     def _joint_dict(self, i: int) -> dict[str, Any]:

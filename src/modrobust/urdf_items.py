@@ -46,13 +46,15 @@ def is_point(link: Link, overlay: LinkOverlay | None) -> bool:
 def read_body(
     link: Link, overlay: LinkOverlay | None, tolerances: Tolerances
 ) -> tuple[Masses, Six, bool, bool]:
-    """Mass and COM, tensor, whether its frame is the inertial frame, whether its box is physical.
+    """Mass and COM, tensor, whether its frame is the inertial frame, whether its box needs no note.
+
+    Figures that no rigid body has are taken as written: `Robot.unphysical`.
 
     The body frame is the link frame where the inertial is not turned against it or the overlay
     gives both COM and tensor, and the inertial frame (with its COM at 0) otherwise.
 
     Raises:
-        DescriptionError: Mass or tensor that no body has, or an overlay that lacks something.
+        DescriptionError: A negative mass or moment, or an overlay that lacks something.
     """
     owner = f"link {link.name}"
     inertial = link.inertial
@@ -71,18 +73,12 @@ def read_body(
         )
     in_inertial_frame = turned and not whole
     mass, com, tensor = _nodes(link, given, in_inertial_frame)
-    if inertial is not None and inertial.mass.value == 0.0 and "mass" not in given:
-        raise inertial.mass.node.where.error(
-            f"{owner}, mass",
-            "0 kg with an inertia tensor that is not 0; a body has both or neither; correct the "
-            f"file or give the mass (links: {{{link.name}: {{mass: ...}}}})",
-        )
     prefix = f"{owner}, "
-    masses = read_masses(mass, com, prefix, tolerances)
+    masses = read_masses(mass, com, prefix, tolerances, no_mass_is_exact=True)
     if is_point(link, overlay):
         return masses, (_ZERO,) * 6, in_inertial_frame, True
     model = _model(InertiaModel, tensor, owner)
-    inertia, physical = read_inertia(model, masses, prefix, tolerances)
+    inertia, physical = read_inertia(model, masses, prefix, tolerances, as_written=True)
     return masses, inertia, in_inertial_frame, physical
 
 

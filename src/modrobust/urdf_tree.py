@@ -265,9 +265,7 @@ def _free_first(
         motion = motions[old]
         joint = motion.joint
         follows = None if joint.mimic is None else _leader(description, joint, at)
-        ordered.append(
-            Motion(joint, index[motion.parent], motion.before, motion.after, follows)
-        )
+        ordered.append(Motion(joint, index[motion.parent], motion.before, motion.after, follows))
     return ordered, {name: (index[i], frame) for name, (i, frame) in frames.items()}
 
 

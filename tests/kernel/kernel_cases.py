@@ -29,7 +29,9 @@ def robots(seed: int, count: int) -> Iterator[Robot]:
             width=WIDTHS[k % len(WIDTHS)],  # type: ignore[arg-type]
             drives=k % 3 != 0,
         )
-        yield tied(robot, int(rng.integers(1, robot.n)), rng) if k % 2 and robot.n > 1 else robot
+        if k % 2 and robot.n > 1:
+            robot = tied(robot, int(rng.integers(1, robot.n)), rng, anywhere=k % 4 == 3)
+        yield robot
 
 
 def states(rng: np.random.Generator, n: int) -> list[State]:

@@ -20,7 +20,14 @@ from modrobust.cli.options import (
     robot,
     seconds,
 )
-from modrobust.cli.simulate_pictures import Plant, Video, View, check_pictures, show_pictures
+from modrobust.cli.simulate_pictures import (
+    Plant,
+    Video,
+    View,
+    check_pictures,
+    check_shown,
+    show_pictures,
+)
 
 EXAMPLES = """\b
 Examples:
@@ -107,6 +114,7 @@ def simulate(
         check_writable(log)
     check_pictures(video, view)
     arm = robot(file, base, tip, lock, tolerance, payload)
+    check_shown(arm, video, view)
     options = ["control_rate", "scenario", "parameters"]
     options += ["duration"] if duration is not None else []  # else it is the file's
     options += ["trajectory"] if trajectory is not None else []

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.describe.common import (
-    entry_of,
     Exported,
     Names,
     body_origin,
     document,
+    entry_of,
     joint_origin,
     joint_range,
     leaves,
