@@ -15,12 +15,15 @@ from modrobust.formats.nodes import Node, Where
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.perjoint import PerJoint
 from modrobust.formats.quantity import Quantity
-from modrobust.geometry import Transform
+from modrobust.geometry import IDENTITY, Transform
 
 
 @dataclass(frozen=True)
 class JointItem:
-    """A joint about or along z of the frame where the chain has got to; it has no span."""
+    """A joint about or along z of the frame where the chain has got to.
+
+    A row of modified D-H brings a transform `ahead` of the joint and one `behind` it.
+    """
 
     name: str
     type: str  # "revolute" or "prismatic"; a continuous joint is revolute without position limits
@@ -34,6 +37,8 @@ class JointItem:
     coulomb: Quantity | None  # joint side [N m] or [N]
     coulomb_speed: float  # [rad/s] or [m/s]
     where: Where
+    ahead: Transform = IDENTITY
+    behind: Transform = IDENTITY
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +52,7 @@ class BodyItem:
     com: tuple[Quantity, Quantity, Quantity]  # [m], body axes
     inertia: tuple[Quantity, Quantity, Quantity, Quantity, Quantity, Quantity]
     where: Where
+    modified: Where | None = None  # of a span that is a row of modified D-H
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +62,7 @@ class FrameItem:
     name: str
     span: Transform
     where: Where
+    modified: Where | None = None  # of a span that is a row of modified D-H
 
 
 @dataclass(frozen=True)
