@@ -247,13 +247,19 @@ def test_links_without_an_extended_body_get_a_stand_in_that_mujoco_takes() -> No
     ]
 
 
-def test_a_tensor_that_no_body_has_is_moved_to_one_and_said() -> None:
+def test_a_tensor_that_no_body_has_is_refused_or_said_where_it_does_not_move() -> None:
     robot = random_robot(np.random.default_rng(0), types="r", drives=False)
     inertia = robot.nominal.inertia.copy()
     inertia[1] = np.diag([1.0, 1.0, 2.5])
-    exported = mjcf_text(robot, replace(robot.nominal, inertia=inertia))
+    point = replace(robot.nominal, inertia=inertia)
+    with pytest.raises(ValueRangeError, match="no rigid body has, and such are body1; nothing is"):
+        mjcf_text(robot, point)
+    with pytest.raises(ValueRangeError, match="such are body1;"):  # at any of its points
+        mjcf_text(replace(robot, nominal=point, lower=point, upper=point), robot.nominal)
+    still = replace(robot, body_joints=np.array([0, -1, *robot.body_joints[2:]]))
+    exported = mjcf_text(still, point)
     assert any(line.startswith("the tensor of body1, which no rigid") for line in exported.lost)
-    MjcfTwin(exported.text, robot)
+    MjcfTwin(exported.text, still)
 
 
 def test_bad_arguments_are_refused() -> None:

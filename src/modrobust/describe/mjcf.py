@@ -139,7 +139,8 @@ def refuse_unphysical(robot: Robot, parameters: Parameters | None = None) -> Non
     """
     found = dict(robot.unphysical)
     if parameters is not None:
-        beyond = excess(parameters.mass, parameters.inertia)
+        # At an end of its box a payload may have a tensor and no mass, which MuJoCo takes.
+        beyond = excess(np.ones(robot.b), parameters.inertia)
         moving = np.flatnonzero((beyond > 0.0) & (robot.body_joints >= 0))
         found |= {robot.body_names[k]: float(beyond[k]) for k in moving}
     if found:
