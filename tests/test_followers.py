@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import modrobust as mr
+from modrobust import _kernel
 from modrobust.robot import Bounded, Followers, Robot
-from random_robots import random_robot
+from random_robots import random_robot, tied
 
 MULTIPLIER = np.array([-0.5, 2.0])
 OFFSET = np.array([0.3, -0.1])
@@ -101,6 +102,33 @@ def test_bounds_hold_every_sample_and_corner(pair: Any, method: str) -> None:
                 tau = mr.inverse_dynamics(tied, *free, parameters=point)
                 assert (lo - margin <= tau).all()
                 assert (tau <= hi + margin).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_slack_of_a_leader_holds_that_of_its_followers(seed: int) -> None:
+    """Without drives it is that of the whole chain, grown by what followers' angles are off."""
+    rng = np.random.default_rng(seed)
+    whole = random_robot(rng, types="rrrrrr")
+    arm = tied(whole, 4, rng, anywhere=True)
+    f = arm.followers
+    G = np.zeros((6, 4))
+    G[arm.free, range(4)] = 1.0
+    G[f.joints, f.leaders] = f.multiplier
+    free = list(rng.normal(size=(4, 4)))
+    full = [G @ x for x in free]
+    full[0][f.joints] += f.offset
+    ours, apart = (
+        _kernel.bounds_slack(
+            robot.model,
+            *(point.packed for point in (robot.nominal, robot.lower, robot.upper)),
+            *map(np.ascontiguousarray, state),
+            False,
+        )
+        for robot, state in ((arm, free), (whole, full))
+    )
+    grown = ours / (np.abs(G).T @ apart)
+    assert 1.0 < grown[0] < 1.5
+    np.testing.assert_allclose(grown, grown[0], rtol=1e-9)
 
 
 def test_frames_of_followers_move_with_their_leaders(pair: Any) -> None:
