@@ -87,21 +87,29 @@ class Model {
     Model(const Ints &joint_type, const Ints &parent, const Stack &before, const Stack &after,
           const Vec &gravity, const Ints &body_joint, const Stack &placement,
           const Ints &inertia_about, const Vec &gear_ratio, const Vec &coulomb_speed,
-          const Ints &leader, const Vec &multiplier, const Vec &offset, const Ints &wraps)
+          const Ints &moves, const Ints &leader, const Vec &multiplier, const Vec &offset,
+          const Ints &wraps)
         : types(ints(joint_type)), parents(ints(parent)), befores(transforms(before)),
           afters(transforms(after)), joints(ints(body_joint)), placements(transforms(placement)),
           abouts(ints(inertia_about)), ratios(doubles(gear_ratio)), speeds(doubles(coulomb_speed)),
-          leaders(ints(leader)), multipliers(doubles(multiplier)), offsets(doubles(offset)),
-          wrapping(ints(wraps)) {
+          moved(ints(moves)), leaders(ints(leader)), multipliers(doubles(multiplier)),
+          offsets(doubles(offset)), wrapping(ints(wraps)) {
         const size_t j = types.size(), b = joints.size(), followers = leaders.size();
         require(j > followers && parents.size() == j && befores.size() == j &&
                     afters.size() == j && ratios.size() == j && speeds.size() == j &&
                     placements.size() == b && abouts.size() == b && gravity.size() == 3 &&
+                    moved.size() == j &&
                     multipliers.size() == followers && offsets.size() == followers,
                 "Model: arrays of joints and bodies differ in length");
         const size_t free = j - followers;
         for (int32_t l : leaders)
             require(l >= 0 && l < static_cast<int32_t>(free), "Model: a leader is a free joint");
+        std::vector<int32_t> once(moved);
+        std::sort(once.begin(), once.end());
+        for (size_t i = 0; i < j; ++i)
+            require(once[i] == static_cast<int32_t>(i) &&
+                        (i == 0 || i >= free || moved[i - 1] < moved[i]),
+                    "Model: moves names each joint once, the free ones first and ascending");
         for (size_t i = 0; i < j; ++i) {
             require(parents[i] >= -1 && parents[i] < static_cast<int32_t>(i),
                     "Model: a joint's parent must come before it");
@@ -110,10 +118,11 @@ class Model {
         }
         require(wrapping.size() == free, "Model: wraps has one entry a free joint");
         for (size_t i = 0; i < free; ++i)
-            require(!wrapping[i] || types[i] == MR_REVOLUTE, "Model: a joint that slides wraps");
+            require(!wrapping[i] || types[static_cast<size_t>(moved[i])] == MR_REVOLUTE,
+                    "Model: a joint that slides wraps");
         for (size_t k = 0; k < followers; ++k)
             require(!wrapping[static_cast<size_t>(leaders[k])] ||
-                        (types[free + k] == MR_REVOLUTE &&
+                        (types[static_cast<size_t>(moved[free + k])] == MR_REVOLUTE &&
                          multipliers[k] == std::nearbyint(multipliers[k])),
                     "Model: a joint wraps whose followers do not turn by whole turns with it");
         for (int32_t joint : joints)
@@ -134,6 +143,7 @@ class Model {
         c.inertia_about = abouts.data();
         c.gear_ratio = ratios.data();
         c.coulomb_speed = speeds.data();
+        c.moves = moved.data();
         c.leader = leaders.data();
         c.multiplier = multipliers.data();
         c.offset = offsets.data();
@@ -165,7 +175,7 @@ class Model {
     std::vector<mr_transform> placements;
     std::vector<int32_t> abouts;
     Doubles ratios, speeds;
-    std::vector<int32_t> leaders;
+    std::vector<int32_t> moved, leaders;
     Doubles multipliers, offsets, folded;
     std::vector<int32_t> wrapping;
 };
@@ -601,10 +611,10 @@ NB_MODULE(_kernel, m) {
     nb::class_<Model>(m, "Model")
         .def(nb::init<const Ints &, const Ints &, const Stack &, const Stack &, const Vec &,
                       const Ints &, const Stack &, const Ints &, const Vec &, const Vec &,
-                      const Ints &, const Vec &, const Vec &, const Ints &>(),
+                      const Ints &, const Ints &, const Vec &, const Vec &, const Ints &>(),
              "joint_type"_a, "parent"_a, "before"_a, "after"_a, "gravity"_a, "body_joint"_a,
-             "placement"_a, "inertia_about"_a, "gear_ratio"_a, "coulomb_speed"_a, "leader"_a,
-             "multiplier"_a, "offset"_a, "wraps"_a)
+             "placement"_a, "inertia_about"_a, "gear_ratio"_a, "coulomb_speed"_a, "moves"_a,
+             "leader"_a, "multiplier"_a, "offset"_a, "wraps"_a)
         .def_prop_ro("n", [](const Model &model) { return model.c.n; })
         .def_prop_ro("b", [](const Model &model) { return model.c.b; });
 

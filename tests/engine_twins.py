@@ -15,8 +15,9 @@ class Led:
     def __init__(self, robot: Any) -> None:
         self.robot = robot
         f = robot.followers
-        self.G = np.eye(robot.j, robot.n)
-        self.G[np.arange(robot.n, robot.j), f.leaders] = f.multiplier
+        self.G = np.zeros((robot.j, robot.n))
+        self.G[robot.free, np.arange(robot.n)] = 1.0
+        self.G[f.joints, f.leaders] = f.multiplier
 
 
 class UrdfTwin(Led):

@@ -303,7 +303,7 @@ def _position(
 
 def largest_excess(frames: Frames, robot: Any) -> float:
     """By how much an entry of a robot is off more than half an ulp, at most; < 2^-70 is right."""
-    names = [*robot.joint_names, *robot.followers.names]
+    names = robot.all_joint_names
     worst = 0.0
     for field, owners in (("before", names), ("after", names), ("placement", robot.body_names)):
         for owner, computed in zip(owners, getattr(robot, field), strict=True):

@@ -156,25 +156,35 @@ def random_robot(
     )
 
 
-def tied(robot: Robot, n: int, rng: np.random.Generator) -> Robot:
-    """The same robot with only n free joints; the others follow random ones of them."""
+def tied(robot: Robot, n: int, rng: np.random.Generator, anywhere: bool = False) -> Robot:
+    """The same robot with only n free joints; the others follow random ones of them.
+
+    The last ones follow; `anywhere`: random ones, so that they may carry free joints.
+    """
     d = robot.disturbance
     count = robot.n - n
+    following = np.arange(n, robot.n)
+    leaders = rng.integers(0, n, count).astype(np.int32)
+    multiplier, offset = rng.uniform(-2.0, 2.0, count), rng.uniform(-0.5, 0.5, count)
+    if anywhere:
+        following = np.sort(rng.permutation(robot.n)[:count])
+    free = np.setdiff1d(np.arange(robot.n), following)
     return replace(
         robot,
         name=f"{robot.name}-tied",
-        joint_names=robot.joint_names[:n],
-        position_limits=robot.position_limits[:n],
-        velocity_limits=robot.velocity_limits[:n],
-        effort_limits=robot.effort_limits[:n],
-        acceleration_limits=robot.acceleration_limits[:n],
-        disturbance=Bounded(d.nominal[:n], d.lo[:n], d.hi[:n]),
+        joint_names=tuple(robot.joint_names[i] for i in free),
+        position_limits=robot.position_limits[free],
+        velocity_limits=robot.velocity_limits[free],
+        effort_limits=robot.effort_limits[free],
+        acceleration_limits=robot.acceleration_limits[free],
+        disturbance=Bounded(d.nominal[free], d.lo[free], d.hi[free]),
         controller=ControllerSettings(K_r=(10.0,) * n),
         followers=Followers(
-            names=robot.joint_names[n:],
-            leaders=rng.integers(0, n, count).astype(np.int32),
-            multiplier=rng.uniform(-2.0, 2.0, count),
-            offset=rng.uniform(-0.5, 0.5, count),
+            names=tuple(robot.joint_names[i] for i in following),
+            leaders=leaders,
+            multiplier=multiplier,
+            offset=offset,
+            joints=following.astype(np.int32),
         ),
     )
 

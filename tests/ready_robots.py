@@ -42,16 +42,17 @@ def available() -> list[Robot]:
 def freed(robot: Robot) -> tuple[Robot, Any]:
     """The robot with its followers as free joints, and G (j, n): its velocities are G dq."""
     f = robot.followers
-    G = np.vstack([np.eye(robot.n), np.zeros((robot.j - robot.n, robot.n))])
-    for k, leader in enumerate(f.leaders):
-        G[robot.n + k, leader] = f.multiplier[k]
+    G = np.zeros((robot.j, robot.n))
+    G[robot.free, np.arange(robot.n)] = 1.0
+    G[f.joints, f.leaders] = f.multiplier
     if robot.j == robot.n:
         return robot, G
-    more = robot.j - robot.n
     d = robot.disturbance
 
     def longer(x: Any, fill: float) -> Any:
-        return np.concatenate([x, np.full((more, *x.shape[1:]), fill)])
+        everything = np.full((robot.j, *x.shape[1:]), fill)
+        everything[robot.free] = x
+        return everything
 
     free = replace(
         robot,

@@ -69,8 +69,9 @@ def test_a_batch_has_the_bits_of_the_single_call(shape: dict[str, Any], method: 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_batch_has_the_bits_of_the_single_call_where_joints_follow_others(method: str) -> None:
     rng = np.random.default_rng(2)
-    for shape in ({"types": "rprpr"}, {"n": 8, "tree": True}):
-        robot = tied(random_robot(rng, **shape), 3, rng)  # type: ignore[arg-type]
+    shapes = ({"types": "rprpr"}, {"n": 8, "tree": True}, {"types": "rrprr"})
+    for shape, anywhere in zip(shapes, (False, False, True), strict=True):
+        robot = tied(random_robot(rng, **shape), 3, rng, anywhere)  # type: ignore[arg-type]
         rows = states(rng, 100, robot.n)
         rows[0] *= 0.1  # a follower turns up to twice as far
         bounds = mr.inverse_dynamics_bounds_batch(robot, *rows, method=method, threads=2)

@@ -32,6 +32,7 @@ def cases() -> list[Robot]:
         random_robot(rng, 9, tree=True),
         random_robot(rng, 12),
         tied(random_robot(rng, 6, tree=True), 4, rng),
+        tied(random_robot(rng, types="rrprr"), 3, rng, anywhere=True),
         *available(),
     ]
 
@@ -247,14 +248,20 @@ def test_links_without_an_extended_body_get_a_stand_in_that_mujoco_takes() -> No
     ]
 
 
-def test_a_tensor_that_no_body_has_is_moved_to_one_and_said() -> None:
+def test_a_tensor_that_no_body_has_is_refused_or_said_where_it_does_not_move() -> None:
     robot = random_robot(np.random.default_rng(0), types="r", drives=False)
     inertia = robot.nominal.inertia.copy()
     inertia[1] = np.diag([1.0, 1.0, 2.5]) + steiner(robot.nominal.mass, robot.nominal.com)[1]
     assert robot.inertia_about[1] == "frame"
-    exported = mjcf_text(robot, replace(robot.nominal, inertia=inertia))
+    point = replace(robot.nominal, inertia=inertia)
+    with pytest.raises(ValueRangeError, match="no rigid body has, and such are body1; nothing is"):
+        mjcf_text(robot, point)
+    with pytest.raises(ValueRangeError, match="such are body1;"):  # at any of its points
+        mjcf_text(replace(robot, nominal=point, lower=point, upper=point), robot.nominal)
+    still = replace(robot, body_joints=np.array([0, -1, *robot.body_joints[2:]]))
+    exported = mjcf_text(still, point)
     assert any(line.startswith("the tensor of body1, which no rigid") for line in exported.lost)
-    MjcfTwin(exported.text, robot)
+    MjcfTwin(exported.text, still)
 
 
 def test_bad_arguments_are_refused() -> None:

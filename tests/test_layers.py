@@ -25,6 +25,7 @@ LAYERS = {
     "arrays": 1,
     "geometry": 1,
     "symmetric": 1,
+    "definite": 2,
     "dh": 2,
     "formats": 2,
     "parameters": 2,

@@ -67,6 +67,7 @@ def test_the_job_holds_the_very_doubles_in_the_order_of_the_program() -> None:
         flat(robot.after),
         robot.gear_ratio,
         robot.coulomb_speed,
+        robot.moves,
         f.leaders,
         f.multiplier,
         f.offset,

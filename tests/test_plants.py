@@ -162,7 +162,7 @@ def test_the_largest_error_counts_from_the_last_time_that_epsilon_was_left() -> 
 
 
 @pytest.mark.parametrize("plant", ENGINES)
-@pytest.mark.parametrize("shape", ["chain", "tree", "followers"])
+@pytest.mark.parametrize("shape", ["chain", "tree", "followers", "carrying followers"])
 def test_without_a_controller_the_motion_is_that_of_our_forward_dynamics(
     plant: str, shape: str
 ) -> None:
@@ -171,8 +171,8 @@ def test_without_a_controller_the_motion_is_that_of_our_forward_dynamics(
     robot = (
         random_robot(rng, types="rprrp") if shape == "chain" else random_robot(rng, 7, tree=True)
     )
-    if shape == "followers":
-        robot = tied(robot, 4, rng)
+    if shape.endswith("followers"):
+        robot = tied(robot, 4, rng, anywhere=shape.startswith("carrying"))
     point, d = robot.sample_parameters(rng), rng.normal(size=robot.n)
     q, dq = rng.normal(size=(2, robot.n))
     dt, substeps = 1e-4, 2

@@ -90,7 +90,7 @@ def test_to_dict_has_the_pinned_keys_and_null_for_limits_that_are_not_given():
     data = robot_with_drives().to_dict()
     assert list(data) == [
         *("robot", "version", "gravity", "base", "joints", "bodies", "disturbance"),
-        *("dh", "exact", "not_modelled"),
+        *("dh", "exact", "not_modelled", "unphysical"),
     ]
     joint = data["joints"][0]
     assert list(joint) == [

@@ -424,7 +424,7 @@ def test_figures_that_look_made_up_are_named(tmp_path: Path) -> None:
 
 
 def test_what_does_not_move_may_be_wrong_and_is_left_out_with_a_note(tmp_path: Path) -> None:
-    wrong = INERTIAL.replace('"2"', '"0"')
+    wrong = INERTIAL.replace('"2"', '"-2"')
     arm = mr.load_robot(
         written(tmp_path, two_links().replace(link("base", ""), link("base", wrong)))
     )

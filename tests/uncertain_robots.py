@@ -42,7 +42,7 @@ def with_uncertainty(urdf: Path, folder: Path) -> mr.Robot:
                     "rotor_inertia": f"{REFLECTED} kg m^2",
                 }
             }
-            for joint, kind in zip(plain.joint_names, plain.joint_types, strict=False)
+            for joint, kind in zip(plain.joint_names, plain.free_types, strict=True)
         },
     }
     file.write_text(json.dumps(overlay), encoding="utf-8")

@@ -37,6 +37,7 @@ class Model:
         inertia_about: _Ints,
         gear_ratio: _Array,
         coulomb_speed: _Array,
+        moves: _Ints,
         leader: _Ints,
         multiplier: _Array,
         offset: _Array,

@@ -246,7 +246,7 @@ def random_tightness(
     """
     rng = np.random.default_rng(seed)
     n = robot.n
-    revolute = robot.turns[: robot.n]
+    revolute = robot.free_turns
     reach = np.where(revolute, np.pi, 0.5)  # [rad], [m]
     lo, hi = robot.position_limits.T
     q = rng.uniform(
@@ -267,7 +267,7 @@ def trajectory_tightness(run: SimulationResult, states: int = 1000) -> Tightness
     about standstill a bound holds for true Coulomb friction too, which the search does not try.
     """
     moving = np.flatnonzero(
-        (np.abs(run.dq) > _MOVING * run.robot.coulomb_speed[: run.robot.n]).all(axis=1)
+        (np.abs(run.dq) > _MOVING * run.robot.coulomb_speed[run.robot.free]).all(axis=1)
     )
     rows = moving if len(moving) else np.arange(len(run.t))
     rows = rows[np.linspace(0, len(rows) - 1, min(states, len(rows))).astype(int)]

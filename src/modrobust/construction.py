@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +36,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
     joints = parts.joints
     bodies = [*parts.bodies, *_payload(description, parts)]
     nominal, lower, upper = (_parameters(bodies, joints, end) for end in ("nominal", "lo", "hi"))
-    free = [joint for joint in joints if joint.follows is None]  # the others stand behind them
+    free = [joint for joint in joints if joint.follows is None]
     names = tuple(joint.name for joint in free)
     items = [joint.item for joint in free]
     types = tuple(item.type for item in items)
@@ -93,7 +94,8 @@ def build(description: Assembly, parts: Parts) -> Robot:
         inertia_about=abouts,
     )
     refuse_singular(robot, [joint.item.where for joint in joints])
-    return robot
+    remark = _unphysical(robot, parts.place)
+    return replace(robot, notes=(*robot.notes, remark)) if remark else robot
 
 
 def _payload(description: Assembly, parts: Parts) -> list[PlacedBody]:
@@ -141,12 +143,15 @@ def _payload(description: Assembly, parts: Parts) -> list[PlacedBody]:
 
 
 def _followers(joints: Sequence[PlacedJoint]) -> Followers:
-    found = [(joint.name, joint.follows) for joint in joints if joint.follows is not None]
+    free = [i for i, joint in enumerate(joints) if joint.follows is None]
+    entry = {i: k for k, i in enumerate(free)}
+    found = [(i, *joint.follows) for i, joint in enumerate(joints) if joint.follows is not None]
     return Followers(
-        names=tuple(name for name, _ in found),
-        leaders=np.array([leader for _, (leader, _, _) in found], dtype=np.int32),
-        multiplier=np.array([multiplier for _, (_, multiplier, _) in found], dtype=np.float64),
-        offset=np.array([offset for _, (_, _, offset) in found], dtype=np.float64),
+        names=tuple(joints[i].name for i, *_ in found),
+        leaders=np.array([entry[leader] for _, leader, _, _ in found], dtype=np.int32),
+        multiplier=np.array([multiplier for _, _, multiplier, _ in found], dtype=np.float64),
+        offset=np.array([offset for _, _, _, offset in found], dtype=np.float64),
+        joints=np.array([i for i, *_ in found], dtype=np.int32),
     )
 
 
@@ -173,6 +178,32 @@ def _scenario_notes(
         for body, physical in zip(body_names, physical_bodies(nominal, point, framed), strict=True)
         if not physical
     ]
+
+
+def _unphysical(robot: Robot, place: str) -> str:
+    """The one remark on bodies whose figures no rigid body has; empty where there are none."""
+    if not robot.unphysical:
+        return ""
+    kind, kinds = ("link", "links") if place == "link" else ("body", "bodies")
+    count = len(robot.unphysical)
+    worst = max(robot.unphysical, key=robot.unphysical.__getitem__)
+    by = robot.unphysical[worst]
+    mass = robot.nominal.mass[robot.body_names.index(worst)]
+    if np.isfinite(by):
+        found = f"largest principal moment {100.0 * by:.3g} % above the sum of the other two"
+    elif mass == 0.0:
+        found = "an inertia tensor without mass"
+    else:
+        found = "a principal moment about one axis alone"
+    if count == 1:
+        return (
+            f"{kind} {worst}: {found}; no rigid body has that; taken as written, since the mass "
+            "matrix is positive definite"
+        )
+    return (
+        f"{count} {kinds} have figures that no rigid body has, {worst} most ({found}); taken as "
+        "written, since the mass matrix is positive definite"
+    )
 
 
 def _parameters(

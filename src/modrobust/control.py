@@ -257,7 +257,7 @@ class RobustController:
         self, problem: _kernel.KernelError, signals: Mapping[str, Array]
     ) -> ModrobustError:
         """The exception that says which signal is at fault."""
-        turning = self.robot.turns[: self.robot.n]
+        turning = self.robot.free_turns
         if (
             problem.args[0] == _kernel.STATUS_ANGLE_RANGE
             and (np.abs(signals["q"][..., turning]) <= _kernel.ANGLE_MAX).all()

@@ -132,12 +132,13 @@ def find_divergence(
             break
     if worst is None or worst[0] < _LIKELY:
         joint = int(np.argmax(np.nan_to_num(np.abs(dq[-1]), nan=np.inf)))
-        return Divergence(robot.joint_names[joint], robot.joint_types[joint], hold)
+        return Divergence(robot.joint_names[joint], robot.free_types[joint], hold)
     share, k, joint, inertia = worst
-    reflected = robot.gear_ratio[joint] ** 2 * robot.nominal.rotor_inertia[joint]
+    i = robot.free[joint]
+    reflected = robot.gear_ratio[i] ** 2 * robot.nominal.rotor_inertia[i]
     return Divergence(
         joint=robot.joint_names[joint],
-        kind=robot.joint_types[joint],
+        kind=robot.free_types[joint],
         hold=hold,
         t=float(t[k]),
         gain=float(gains[k]),

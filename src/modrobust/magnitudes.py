@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from modrobust.physical import inertia_about_com
 from modrobust.robot import Robot
 
 Array = NDArray[np.float64]
@@ -42,7 +43,7 @@ def _weak(robot: Robot, torque: Array) -> Iterator[str]:
     for j, name in enumerate(robot.joint_names):
         limit = float(robot.effort_limits[j])
         if torque[j] > limit > 0.0:
-            unit = "N" if robot.joint_types[j] == "prismatic" else "N m"
+            unit = "N" if robot.free_types[j] == "prismatic" else "N m"
             yield (
                 f"joint {name}: static torque of {torque[j]:.4g} {unit}, {torque[j] / limit:.0%} "
                 "of its limit: it cannot hold the arm everywhere; check the limit, the masses and "
@@ -54,7 +55,7 @@ def _limits(robot: Robot) -> Iterator[str]:
     for j, name in enumerate(robot.joint_names):
         lo, hi = map(float, robot.position_limits[j])
         turns = max(abs(lo), abs(hi)) / math.tau
-        if robot.joint_types[j] != "prismatic" and math.isfinite(turns) and turns > _TURNS:
+        if robot.free_types[j] != "prismatic" and math.isfinite(turns) and turns > _TURNS:
             yield (
                 f"joint {name}: position limits {lo:.4g} to {hi:.4g} rad, up to {turns:.3g} "
                 "turns: degrees that were read as radians?"
@@ -63,7 +64,9 @@ def _limits(robot: Robot) -> Iterator[str]:
 
 def _spread(robot: Robot) -> Iterator[str]:
     """Bodies whose mass would lie farther from their COM than anything of their link does."""
-    masses, tensors = robot.nominal.mass, robot.nominal.inertia
+    p = robot.nominal
+    masses = p.mass
+    tensors = inertia_about_com(p.mass, p.com, p.inertia, robot.framed)
     for k, name in enumerate(robot.body_names):
         joint = int(robot.body_joints[k])
         trace = float(np.trace(tensors[k]))

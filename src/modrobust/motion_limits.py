@@ -96,7 +96,7 @@ def _largest_excess(value: Array, lo: Array, hi: Array) -> tuple[int, int] | Non
 def _refusal(
     robot: Robot, name: str, j: int, value: float, kind: _Kind, where: str, remedy: str
 ) -> ValueRangeError:
-    unit = ("rad" if robot.turns[j] else "m") + kind.per
+    unit = ("rad" if robot.free_turns[j] else "m") + kind.per
     lo, hi = kind.limits(robot)
     return ValueRangeError(
         f'{name}: joint "{robot.joint_names[j]}" {kind.verb} {value:.6g} {unit}{where}; its '
@@ -124,7 +124,7 @@ def motion_remarks(robot: Robot, trajectory: Trajectory, duration: float) -> lis
     speed = np.abs(trajectory.sample([end])[1][0])
     j = int(np.argmax(speed))
     if duration > end and speed[j] > _STILL:
-        unit = "rad" if robot.turns[j] else "m"
+        unit = "rad" if robot.free_turns[j] else "m"
         said.append(
             f'the motion is under way at its last row, t = {end:g} s (joint "'
             f'{robot.joint_names[j]}" at {speed[j]:.3g} {unit}/s), and is held from there: the '

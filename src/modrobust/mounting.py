@@ -23,7 +23,8 @@ from modrobust.formats import (
     instance_names,
 )
 from modrobust.formats.faults import Faults
-from modrobust.geometry import Transform, rotation_z
+from modrobust.formats.joint_rows import BehindJoint
+from modrobust.geometry import IDENTITY, Transform, rotation_z
 from modrobust.mating import RULE, clocking_problem, describe, mating_problem
 from modrobust.robot import ModuleNode
 
@@ -99,6 +100,7 @@ class _Mounter:
         self._remarks: dict[tuple[str, str], list[str]] = {}  # (module id, text): instances
         self._files: dict[Path, ModuleFile] = {}
         self._loaded: dict[Path, Module] = {}  # as their files say them
+        self._behind = BehindJoint()  # from one module to the next, too
         self._count = 0
 
     def remarks(self) -> list[str]:
@@ -129,8 +131,13 @@ class _Mounter:
         return tuple(nodes)
 
     def _own(self, item: JointItem | BodyItem | FrameItem, prefix: str) -> None:
+        self._behind.check(item)
         if isinstance(item, JointItem):
+            if item.ahead != IDENTITY:
+                self.steps.append(SpanStep(item.ahead))
             self.steps.append(JointStep(f"{prefix}{item.name}", item))
+            if item.behind != IDENTITY:
+                self.steps.append(SpanStep(item.behind))
         elif isinstance(item, BodyItem):
             self.steps.append(BodyStep(f"{prefix}{item.name}", item))
         else:
@@ -166,6 +173,7 @@ class _Mounter:
     ) -> ModuleNode:
         if item.mount:
             self.steps.append(SpanStep(rotation_z(item.mount)))
+            self._behind.passed()
         self._remark(module, instance)
         children = self.chain(module.items, f"{instance}.", (*inside, module.id))
         self.steps.append(EndStep(instance))

@@ -45,7 +45,7 @@ class PlacedBody:
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """Joints, parents first, followers last; bodies; named frames where a payload can be.
+    """Joints, parents first; bodies; named frames where a payload can be.
 
     Args:
         ends: Name (of an instance, of a link) to joint index and frame (4, 4) in its link frame.

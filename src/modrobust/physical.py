@@ -7,6 +7,10 @@ second moments is positive semidefinite,
 
 which says that J is positive semidefinite and that its principal moments keep the triangle
 inequality. The set is convex: between a physical tensor and any other there is a last physical one.
+
+What the control law needs is less: a mass matrix that is positive definite. That holds where no
+mass and no principal moment is negative and every joint moves something, so that figures which are
+a little unphysical, as published ones are, can be taken as written.
 """
 
 from __future__ import annotations
@@ -21,7 +25,7 @@ from modrobust.symmetric import eigenvalues
 Array = NDArray[np.float64]
 
 ABOUT_COM, ABOUT_FRAME = "com", "frame"  # what a body's tensors are about
-
+TRIANGLE = 1e-9  # relative: flat bodies lie on the boundary, printed figures just beside it
 _ROUNDING = 1e-15  # of the trace: what the eigenvalues of an exact boundary case are off by
 _ROUNDS = 10  # of cutting the way that is left into 64 parts: 60 binary digits
 _BETWEEN = np.arange(1.0, 64.0) / 64.0
@@ -52,17 +56,26 @@ def least_second_moment(inertia: Array) -> Array:
     return least
 
 
+def least_moment(inertia: Array) -> Array:
+    """Least principal moment [kg m^2]; inertia ``(..., 3, 3)`` gives ``(...)``."""
+    return np.asarray(eigenvalues(inertia)[..., 0])
+
+
 def is_physical(inertia: Array, nominal: Array, moved: Array | float = 0.0) -> NDArray[np.bool_]:
     """Whether tensors ``(..., 3, 3)`` are physical, or at least no less so than the nominal one.
 
     A thin rod lies on the boundary of the physical set and the rounding of its figures may put it a
     little outside; its own box must still hold points. Hence the comparison with `nominal`, of a
-    shape that broadcasts against `inertia`. `moved` is the trace of what was taken off a tensor on
-    its way to the COM, whose rounding it still has.
+    shape that broadcasts against `inertia`: the least second moment is at least its, or 0. Where
+    its is negative, the least principal moment is at least its, or 0, too, so that no sampled body
+    has less kinetic energy than none. `moved` is the trace of what was taken off a tensor on its
+    way to the COM, whose rounding it still has.
     """
-    trace = _trace(inertia)
-    allowed = np.minimum(0.0, least_second_moment(nominal)) - _ROUNDING * (np.abs(trace) + moved)
-    result: NDArray[np.bool_] = least_second_moment(inertia) >= allowed
+    rounding = _ROUNDING * (np.abs(_trace(inertia)) + moved)
+    lacking = np.minimum(0.0, least_second_moment(nominal))
+    second = least_second_moment(inertia) >= lacking - rounding
+    least = np.minimum(0.0, least_moment(nominal)) - 4.0 * rounding
+    result: NDArray[np.bool_] = second & ((lacking == 0.0) | (least_moment(inertia) >= least))
     return result
 
 
@@ -101,6 +114,31 @@ def last_inside(
     # Clipped, since rounding could carry an entry beyond the point it was pulled from.
     result: Array = np.clip(pulled, np.minimum(nominal, point), np.maximum(nominal, point))
     return result
+
+
+def excess(mass: Array, inertia: Array) -> Array:
+    r"""By how much bodies are beyond the triangle inequality, relative.
+
+    .. math:: \frac{J_3}{J_1 + J_2} - 1, \quad J_1 \le J_2 \le J_3
+
+    Args:
+        mass: Masses ``(b,)`` [kg].
+        inertia: Tensors about the COM ``(b, 3, 3)`` [kg m^2].
+
+    Returns:
+        ``(b,)``: 0 where a body is physical (to 1e-9), infinite where it has a moment about one
+        axis alone, or a tensor without mass.
+    """
+    half = 0.5 * _trace(inertia)
+    least = least_second_moment(inertia)
+    largest, others = half - least, half + least
+    beyond = -2.0 * least > TRIANGLE * largest
+    alone = beyond & (others <= TRIANGLE * largest)
+    massless = (mass == 0.0) & inertia.any(axis=(-2, -1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = largest / others - 1.0
+    found: Array = np.where(beyond, relative, 0.0)
+    return np.where(alone | massless, np.inf, found)
 
 
 def pull_to_physical(nominal: Array, inertia: Array) -> Array:

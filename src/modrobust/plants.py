@@ -202,8 +202,9 @@ class _Led:
     def __init__(self, robot: Robot) -> None:
         f = robot.followers
         self.positions = robot.all_positions
-        self.G = np.eye(robot.j, robot.n)
-        self.G[np.arange(robot.n, robot.j), f.leaders] = f.multiplier
+        self.G = np.zeros((robot.j, robot.n))
+        self.G[robot.free, np.arange(robot.n)] = 1.0
+        self.G[f.joints, f.leaders] = f.multiplier
 
     def acceleration(self, M: Array, bias: Array, drive: Array) -> Array:
         """Of the free joints ``(n,)``: M (j, j), bias (j,), drive (n,)."""

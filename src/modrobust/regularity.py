@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust import _kernel
+from modrobust.definite import singular_joint
 from modrobust.errors import DescriptionError
 from modrobust.formats import Where
 from modrobust.robot import Robot
@@ -20,8 +21,6 @@ from modrobust.robot import Robot
 Array = NDArray[np.float64]
 
 _SEED = 0
-_RELATIVE = 1e-12  # of the joint's own diagonal entry: what rounding leaves of a zero pivot
-_ABSOLUTE = 1e-15  # of the largest diagonal entry
 
 
 def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
@@ -42,16 +41,16 @@ def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
         # Masses are bounded where they are read: it is a drive or a length.
         with np.errstate(over="ignore", invalid="ignore"):
             drives = robot.gear_ratio**2 * robot.nominal.rotor_inertia
-        worst = int(np.argmax(np.nan_to_num(drives[: robot.n], nan=np.inf, posinf=np.inf)))
-        raise where[worst].error(
+        worst = int(np.argmax(np.nan_to_num(drives[robot.free], nan=np.inf, posinf=np.inf)))
+        raise where[robot.free[worst]].error(
             f"joint {robot.joint_names[worst]}",
             "the inertia that it moves is not finite; a figure is far too large; check the "
             "exponents of its drive and of the lengths behind it",
         ) from None
     joint = singular_joint(M)
     if joint is not None:
-        axis = "along" if robot.joint_types[joint] == "prismatic" else "about"
-        raise where[joint].error(
+        axis = "along" if robot.free_types[joint] == "prismatic" else "about"
+        raise where[robot.free[joint]].error(
             f"joint {robot.joint_names[joint]}",
             f"nothing behind it has inertia {axis} its axis, so the mass matrix is singular "
             "(nominal parameters, drives included); give it a drive or a body with inertia",
@@ -62,22 +61,13 @@ def _turns_too_far(robot: Robot, where: Sequence[Where], q: Array) -> Descriptio
     """What to say where a follower's angle (15) passes what the kernel computes with."""
     revolute = robot.turns
     joint = int(np.argmax(np.where(revolute, np.abs(robot.all_positions(q)), 0.0)))
-    f, k = robot.followers, joint - robot.n
+    f = robot.followers
+    k = int(np.flatnonzero(f.joints == joint)[0])
     leader = f.leaders[k]
+    unit = "rad" if revolute[robot.free[leader]] else "m"
     return where[joint].error(
         f"joint {robot.all_joint_names[joint]}, mimic",
         f"follows joint {robot.joint_names[leader]} with multiplier {f.multiplier[k]:g} and offset "
         f"{f.offset[k]:g} rad, so that it passes {_kernel.ANGLE_MAX:g} rad while that one moves by "
-        f"1 {'rad' if revolute[leader] else 'm'}; no joint turns so far; correct the two",
+        f"1 {unit}; no joint turns so far; correct the two",
     )
-
-
-def singular_joint(M: Array) -> int | None:
-    """The joint of the first pivot, from the last joint on, that vanishes; None if M > 0."""
-    A = np.array(M)
-    floor = _ABSOLUTE * float(np.max(np.diag(A)))
-    for i in range(len(A) - 1, -1, -1):
-        if not A[i, i] > max(_RELATIVE * M[i, i], floor):
-            return i
-        A[:i, :i] -= np.outer(A[i, :i], A[i, :i]) / A[i, i]
-    return None

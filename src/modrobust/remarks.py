@@ -65,7 +65,7 @@ def _overruns(
         limit = lo[j] if value[k, j] < lo[j] else hi[j]
         if not excess[k, j] > _TOUCH * abs(limit):
             continue
-        unit = "rad" if robot.turns[j] else "m"
+        unit = "rad" if robot.free_turns[j] else "m"
         if what == "velocity":
             unit += "/s"
         yield (

@@ -135,7 +135,7 @@ def _joint(robot: Robot, i: int, torque: float) -> JointFigures:
     effort = _finite(robot.effort_limits[i])
     return JointFigures(
         name=robot.joint_names[i],
-        type=robot.joint_types[i],
+        type=robot.free_types[i],
         position=(lo, hi) if math.isfinite(lo) and math.isfinite(hi) else None,
         velocity=_finite(robot.velocity_limits[i]),
         effort=effort,
@@ -150,7 +150,7 @@ def _finite(value: float) -> float | None:
 
 def _poses(robot: Robot, count: int, seed: int) -> Array:
     """Poses ``(count, n)``, uniform within the limits; +-pi or +-1 m where there are none."""
-    prismatic = np.array([kind == "prismatic" for kind in robot.joint_types[: robot.n]])
+    prismatic = np.array([kind == "prismatic" for kind in robot.free_types])
     free = np.where(prismatic, _FREE_STROKE, math.pi)
     lo = np.where(np.isfinite(robot.position_limits[:, 0]), robot.position_limits[:, 0], -free)
     hi = np.where(np.isfinite(robot.position_limits[:, 1]), robot.position_limits[:, 1], free)
@@ -162,7 +162,7 @@ def _pose_notes(robot: Robot) -> list[str]:
     return [
         f"{name}: no position limits; reach and torque searched within +-{_FREE_STROKE:g} m"
         for name, kind, limits in zip(
-            robot.joint_names, robot.joint_types[: robot.n], robot.position_limits, strict=True
+            robot.joint_names, robot.free_types, robot.position_limits, strict=True
         )
         if kind == "prismatic" and not np.isfinite(limits).all()
     ]

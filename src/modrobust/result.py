@@ -190,7 +190,7 @@ class SimulationResult:
             )
         for j, limit in enumerate(self.robot.effort_limits):
             if s.tau_max[j] > limit:
-                unit = "N m" if self.robot.turns[j] else "N"
+                unit = "N m" if self.robot.free_turns[j] else "N"
                 reasons.append(
                     f'joint "{self.robot.joint_names[j]}" needed {s.tau_max[j]:.4g} {unit}, '
                     f"beyond its limit of {limit:.4g} {unit}"

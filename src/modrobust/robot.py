@@ -7,7 +7,7 @@ to those of its parent's link frame (or of the base frame, parent -1). interface
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 
 from modrobust import _kernel
 from modrobust.arguments import as_integer
+from modrobust.definite import is_definite, pulled_to_definite, seeded_poses
 from modrobust.dh import DHTable, dh_table
 from modrobust.errors import ValueRangeError, visible
 from modrobust.kernel import own_environment
 from modrobust.parameters import Bounded, Parameters, freeze, remade
-from modrobust.physical import ABOUT_COM, ABOUT_FRAME
+from modrobust.physical import ABOUT_COM, ABOUT_FRAME, excess, inertia_about_com
 from modrobust.robot_checks import (
     check_abouts,
     check_box,
@@ -46,6 +47,8 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+_REDRAWS = 64
+
 
 @dataclass(frozen=True, eq=False)
 class Robot:
@@ -55,7 +58,7 @@ class Robot:
     gravity: Array  # (3,) [m/s^2], world axes
     base: Array  # (4, 4), world to base frame
     joint_names: tuple[str, ...]
-    joint_types: tuple[str, ...]  # (j) "revolute", "continuous" or "prismatic"
+    joint_types: tuple[str, ...]  # (j) "revolute", "continuous", "prismatic"; cf. free_types
     parents: NDArray[np.int32]  # (j,), -1 = base; parents[i] < i
     before: Array  # (j, 4, 4)
     after: Array  # (j, 4, 4)
@@ -100,6 +103,9 @@ class Robot:
             object.__setattr__(self, "acceleration_limits", np.full(self.n, np.inf))
         if not self.inertia_about:
             object.__setattr__(self, "inertia_about", (ABOUT_COM,) * self.b)
+        if not self.followers.joints.size:
+            behind = np.arange(self.n, self.j, dtype=np.int32)
+            object.__setattr__(self, "followers", replace(self.followers, joints=behind))
         freeze(self)
         for name in ("scenarios", "scenario_notes"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
@@ -124,6 +130,7 @@ class Robot:
                 "coulomb_speed": (self.coulomb_speed, (j,)),
                 "body_joints": (self.body_joints, (b,)),
                 "placement": (self.placement, (b, 4, 4)),
+                "followers.joints": (f.joints, (j - n,)),
                 "followers.leaders": (f.leaders, (j - n,)),
                 "followers.multiplier": (f.multiplier, (j - n,)),
                 "followers.offset": (f.offset, (j - n,)),
@@ -134,8 +141,8 @@ class Robot:
             owner,
         )
         check_abouts(self.inertia_about, b, owner)
-        check_tree(self.joint_types, self.parents, self.body_joints, f.leaders, n)
-        check_endless(self.joint_names, self.joint_types, self.position_limits)
+        check_tree(self.joint_types, self.parents, self.body_joints, f, n)
+        check_endless(self.joint_names, self.free_types, self.position_limits)
         for name in ("base", "before", "after", "placement"):
             check_rigid(name, getattr(self, name))
         for name in ("mass", "com", "inertia", "rotor_inertia", "viscous", "coulomb"):
@@ -174,13 +181,35 @@ class Robot:
 
     @property
     def all_joint_names(self) -> tuple[str, ...]:
-        """Names of the j joints, the free ones first."""
-        return self.joint_names + self.followers.names
+        """Names of the j joints, in the order of the arrays of joint data."""
+        names = dict(zip(self.moves.tolist(), self.joint_names + self.followers.names, strict=True))
+        return tuple(names[i] for i in range(self.j))
+
+    @cached_property
+    def moves(self) -> NDArray[np.int32]:
+        """Index of the joint that entry i of a vector (n,) moves; then of those that follow."""
+        free = np.setdiff1d(np.arange(self.j, dtype=np.int32), self.followers.joints)
+        return np.concatenate([free, self.followers.joints])
+
+    @property
+    def free(self) -> NDArray[np.int32]:
+        """Indices (n,) of the joints that move freely, ascending."""
+        return self.moves[: self.n]
+
+    @property
+    def free_types(self) -> tuple[str, ...]:
+        """Types of the n free joints."""
+        return tuple(self.joint_types[i] for i in self.free)
 
     @cached_property
     def turns(self) -> NDArray[np.bool_]:
         """Whether each joint (j,) turns, with limits or without; it slides otherwise."""
         return np.array([kind != "prismatic" for kind in self.joint_types], dtype=bool)
+
+    @property
+    def free_turns(self) -> NDArray[np.bool_]:
+        """Whether each free joint (n,) turns."""
+        return np.asarray(self.turns[self.free])
 
     @cached_property
     def wraps(self) -> NDArray[np.bool_]:
@@ -189,11 +218,11 @@ class Robot:
         So it is of a continuous joint, unless a joint follows it that slides or turns by another
         amount than whole turns when this one makes one: then a turn leads to another pose.
         """
-        wraps = np.array([kind == "continuous" for kind in self.joint_types[: self.n]], dtype=bool)
+        wraps = np.array([kind == "continuous" for kind in self.free_types], dtype=bool)
         f = self.followers
         for k, leader in enumerate(f.leaders):
             whole = float(f.multiplier[k]).is_integer()
-            wraps[leader] &= bool(self.turns[self.n + k]) and whole
+            wraps[leader] &= bool(self.turns[f.joints[k]]) and whole
         return wraps
 
     @own_environment()
@@ -219,7 +248,10 @@ class Robot:
     def all_positions(self, q: Array) -> Array:
         """Positions of the j joints (..., j) for those of the free ones (..., n), (15)."""
         f = self.followers
-        return np.concatenate([q, f.multiplier * q[..., f.leaders] + f.offset], axis=-1)
+        everything = np.empty((*np.shape(q)[:-1], self.j))
+        everything[..., self.free] = q
+        everything[..., f.joints] = f.multiplier * q[..., f.leaders] + f.offset
+        return everything
 
     @cached_property
     @own_environment()
@@ -241,11 +273,25 @@ class Robot:
             self.framed.astype(np.int32),
             self.gear_ratio,
             self.coulomb_speed,
+            self.moves,
             self.followers.leaders,
             self.followers.multiplier,
             self.followers.offset,
             self.wraps.astype(np.int32),
         )
+
+    @cached_property
+    @own_environment()
+    def unphysical(self) -> Mapping[str, float]:
+        """Moving bodies whose nominal figures no rigid body has, and by how much.
+
+        That is how far the largest principal moment is above the sum of the other two, relative to
+        that sum; infinite for a moment about one axis alone, and for a tensor without mass.
+        """
+        p = self.nominal
+        beyond = excess(p.mass, inertia_about_com(p.mass, p.com, p.inertia, self.framed))
+        moving = np.flatnonzero((beyond > 0.0) & (self.body_joints >= 0))
+        return MappingProxyType({self.body_names[k]: float(beyond[k]) for k in moving})
 
     @cached_property
     @own_environment()
@@ -262,12 +308,23 @@ class Robot:
         Every tensor is, about the COM, positive definite and keeps the triangle inequality (as far
         as the nominal one does). Where 1,365 draws in a row are not physical, the last one is
         pulled straight towards nominal until it is. With a tensor about the body's frame, mass and
-        COM are drawn anew and pulled along with it. Exact entries stay exact.
+        COM are drawn anew and pulled along with it. Exact entries stay exact. Where a nominal body
+        is not physical itself, points are drawn until M(q) > 0 at 16 seeded poses, an estimate for
+        all poses; the last of 64 is pulled towards nominal until it is so.
 
         Args:
             rng: A numpy Generator, or an int that seeds one.
         """
-        return sample_point(self.nominal, self.lower, self.upper, self.framed, _generator(rng))
+        generator = _generator(rng)
+        point = sample_point(self.nominal, self.lower, self.upper, self.framed, generator)
+        if not self.unphysical:
+            return point
+        poses = seeded_poses(self.position_limits)
+        for _ in range(_REDRAWS):
+            if is_definite(self.model, point, poses):
+                return point
+            point = sample_point(self.nominal, self.lower, self.upper, self.framed, generator)
+        return pulled_to_definite(self.model, self.nominal, point, poses)
 
     @own_environment()
     def corner_parameters(self, rng: np.random.Generator | int) -> Parameters:
@@ -285,7 +342,9 @@ class Robot:
         """A vertex of the box that a real robot could have, as nearly as the box allows.
 
         Tensors that no body can have are pulled straight towards nominal until one can; mass and
-        COM with them where the tensor is about the body's frame.
+        COM with them where the tensor is about the body's frame. Where a nominal body is not
+        physical itself, the whole point is then pulled, if need be, until M(q) > 0 at 16 seeded
+        poses.
 
         Args:
             which: "lower", "upper", or "corner" for the one that `corner_parameters` draws.
@@ -302,6 +361,11 @@ class Robot:
         ends = {"lower": self.lower, "upper": self.upper}
         vertex = ends[which] if which in ends else self.corner_parameters(rng)
         point, pulled = physical_pull(self.nominal, vertex, self.framed)
+        if self.unphysical:
+            poses = seeded_poses(self.position_limits)
+            inside = pulled_to_definite(self.model, self.nominal, point, poses)
+            if inside is not point:
+                return inside, self.body_names
         return point, tuple(self.body_names[k] for k in pulled)
 
     def to_dict(self) -> dict[str, Any]:
@@ -334,12 +398,17 @@ class Robot:
             "dh": None if self.dh is None else _dh_dict(self.dh),
             "exact": list(self.exact),
             "not_modelled": list(self.not_modelled),
+            "unphysical": [
+                {"body": name, "excess": _finite(beyond)}
+                for name, beyond in self.unphysical.items()
+            ],
         }
 
     def _joint_dict(self, i: int) -> dict[str, Any]:
-        free = i < self.n
-        position = self.position_limits[i] if free else np.full(2, np.inf)
-        follower = {} if free else {"mimic": self._mimic_dict(i - self.n)}
+        entry = int(np.flatnonzero(self.moves == i)[0])  # of the free ones, then the followers
+        free = entry < self.n
+        position = self.position_limits[entry] if free else np.full(2, np.inf)
+        follower = {} if free else {"mimic": self._mimic_dict(entry - self.n)}
         return {
             "name": self.all_joint_names[i],
             "type": self.joint_types[i],
@@ -348,8 +417,8 @@ class Robot:
             "after": self.after[i].tolist(),
             "limits": {
                 "position": position.tolist() if np.isfinite(position).all() else None,
-                "velocity": _finite(self.velocity_limits[i]) if free else None,
-                "effort": _finite(self.effort_limits[i]) if free else None,
+                "velocity": _finite(self.velocity_limits[entry]) if free else None,
+                "effort": _finite(self.effort_limits[entry]) if free else None,
             },
             **follower,
             "drive": {
@@ -365,7 +434,7 @@ class Robot:
 
     def _mimic_dict(self, k: int) -> dict[str, Any]:
         return {
-            "joint": int(self.followers.leaders[k]),
+            "joint": int(self.free[self.followers.leaders[k]]),
             "multiplier": float(self.followers.multiplier[k]),
             "offset": float(self.followers.offset[k]),
         }

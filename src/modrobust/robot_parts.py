@@ -63,14 +63,16 @@ class ModuleNode:
 class Followers:
     """Joints that follow a free one, docs/equations.md (15): q = multiplier * q_leader + offset.
 
-    They stand after the n free joints in every array of joint data; a vector of positions,
-    velocities or torques does not hold them.
+    They have their place in every array of joint data: `joints`, the indices there, ascending; left
+    empty, they stand after the n free joints. A vector of positions, velocities or torques holds
+    the free joints only; `leaders` are indices into such a vector.
     """
 
     names: tuple[str, ...] = ()
     leaders: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
     multiplier: Array = field(default_factory=lambda: np.zeros(0))
     offset: Array = field(default_factory=lambda: np.zeros(0))  # [rad] or [m]
+    joints: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
 
     __reduce__ = remade
 

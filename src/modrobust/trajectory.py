@@ -278,7 +278,7 @@ def default_trajectory(robot: Robot, duration: float = DEFAULT_DURATION, seed: i
     if not (math.isfinite(duration) and duration > 0.0):
         raise ValueRangeError(f"duration: {duration:g} s; must be positive and finite")
     rng = np.random.default_rng(as_integer("seed", seed, 0))
-    revolute = robot.turns[: robot.n]
+    revolute = robot.free_turns
     half = np.where(revolute, math.pi / 2.0, 0.25)  # [rad], [m]
     lo, hi = robot.position_limits.T
     lo, hi = (

@@ -232,6 +232,12 @@ def _need_mass(
             "no link that moves has mass: a file for pictures, not for dynamics; use another "
             "description of this robot, or give mass, com and inertia in an assembly file (links:)",
         )
+    pending = list(loaded - {-1})
+    while pending:
+        joint = joints[pending.pop()]
+        carriers = {joint.parent} | ({joint.follows[0]} if joint.follows else set())
+        pending += carriers - loaded - {-1}
+        loaded |= carriers
     for index in range(len(joints) - 1, -1, -1):
         joint = joints[index]
         if index in loaded:

@@ -14,7 +14,7 @@ def within_followers(joints: Sequence[PlacedJoint], notes: list[str]) -> tuple[P
     """The joints, leaders with limits that keep their followers within theirs.
 
     Args:
-        joints: Free joints first.
+        joints: Free ones and those that follow.
         notes: Takes a remark for each limit that became narrower.
     """
     result = list(joints)

@@ -52,13 +52,15 @@ def read_body(
     link: Link, overlay: LinkOverlay | None, tolerances: Tolerances
 ) -> tuple[Masses, Six, str, bool, bool]:
     """Mass and COM, tensor, what it is about, whether its frame is the inertial frame, whether its
-    box is physical.
+    box needs no note.
+
+    Figures that no rigid body has are taken as written: `Robot.unphysical`.
 
     The body frame is the link frame where the inertial is not turned against it or the overlay
     gives both COM and tensor, and the inertial frame (with its COM at 0) otherwise.
 
     Raises:
-        DescriptionError: Mass or tensor that no body has, or an overlay that lacks something.
+        DescriptionError: A negative mass or moment, or an overlay that lacks something.
     """
     owner = f"link {link.name}"
     inertial = link.inertial
@@ -83,13 +85,7 @@ def read_body(
     masses = _some_masses(mass)
     if "mass" not in link.faults or "mass" in given:
         with faults.caught():
-            if inertial is not None and inertial.mass.value == 0.0 and "mass" not in given:
-                raise inertial.mass.node.where.error(
-                    f"{owner}, mass",
-                    "0 kg with an inertia tensor that is not 0; a body has both or neither; "
-                    f"correct the file or give the mass (links: {{{link.name}: {{mass: ...}}}})",
-                )
-            masses = read_masses(mass, com, prefix, tolerances)
+            masses = read_masses(mass, com, prefix, tolerances, no_mass_is_exact=True)
     if is_point(link, overlay):
         faults.stop()
         return masses, (_ZERO,) * 6, "com", in_inertial_frame, True
@@ -98,7 +94,7 @@ def read_body(
         faults.stop()
     model = _model(InertiaModel, tensor, owner)
     with faults.caught():
-        inertia, physical = read_inertia(model, masses, prefix, tolerances)
+        inertia, physical = read_inertia(model, masses, prefix, tolerances, as_written=True)
     faults.stop()
     return masses, inertia, model.about or "com", in_inertial_frame, physical
 

@@ -42,7 +42,9 @@ class Motion:
 
 @dataclass(frozen=True)
 class Selection:
-    """The joints, parents first and followers last, and every link's frame in what it moves with.
+    """The joints, parents first, and every link's frame in what it moves with.
+
+    Free joints stand before those that follow others, as far as none of these carries them.
 
     Args:
         frames: Link name to index of the joint it moves with (-1 = base) and frame.
@@ -280,33 +282,39 @@ def _free_first(
 ) -> tuple[list[Motion], dict[str, tuple[int, Transform]]]:
     """Motions and frames with the free joints first and those that follow others behind them.
 
+    A free joint that a follower carries stands behind it, since parents come first.
+
     Raises:
-        DescriptionError: A leader does not move here, or a free joint hangs on a follower.
+        DescriptionError: A leader does not move here.
     """
-    free = [i for i, motion in enumerate(motions) if motion.joint.mimic is None]
-    order = [*free, *(i for i, motion in enumerate(motions) if motion.joint.mimic is not None)]
+    behind: set[int] = set()  # those that follow, and all that they carry
+    for i, motion in enumerate(motions):
+        if motion.joint.mimic is not None or motion.parent in behind:
+            behind.add(i)
+    order = [*(i for i in range(len(motions)) if i not in behind), *sorted(behind)]
     index = {old: new for new, old in enumerate(order)} | {-1: -1}
-    at = {motions[i].joint.name: index[i] for i in free}
+    at = {
+        motion.joint.name: index[i]
+        for i, motion in enumerate(motions)
+        if motion.joint.mimic is None
+    }
     ordered = []
     for old in order:
         motion = motions[old]
-        joint, parent = motion.joint, index[motion.parent]
+        joint = motion.joint
         follows = None if joint.mimic is None else _leader(description, joint, at)
-        if follows is None and parent >= len(free):
-            name = motions[motion.parent].joint.name
-            raise joint.where.error(
-                f"joint {joint.name}",
-                f'moves freely behind joint "{name}", which follows another; that is not modelled; '
-                f"freeze one of them (lock: {{{joint.name}: VALUE}} or lock: {{{name}: VALUE}})",
-            )
-        ordered.append(Motion(joint, parent, motion.before, motion.after, follows))
+        ordered.append(Motion(joint, index[motion.parent], motion.before, motion.after, follows))
     return ordered, {name: (index[i], frame) for name, (i, frame) in frames.items()}
 
 
 def _leader(
     description: Description, joint: Joint, at: Mapping[str, int]
 ) -> tuple[int, float, float]:
-    """Index of the free joint at the end of a chain of mimics, multiplier and offset to it."""
+    """Index of the free joint at the end of a chain of mimics, multiplier and offset to it.
+
+    Args:
+        at: Name of each free joint to its index.
+    """
     multiplier, offset, last = Fraction(1), Fraction(0), joint
     while last.mimic is not None:
         offset += multiplier * last.mimic.offset

@@ -47,7 +47,8 @@ class BallRobot:
     framed: Sequence[bool]  # (b) tensor about the body frame's origin
     gear_ratio: Sequence[arb]  # (j)
     coulomb_speed: Sequence[arb]  # (j)
-    leaders: Sequence[int]  # (j - n)
+    moves: Sequence[int]  # (j) joints that entries of vectors move, then those that follow
+    leaders: Sequence[int]  # (j - n) entries of vectors
     multiplier: Sequence[arb]
     offset: Sequence[arb]
 
@@ -103,6 +104,7 @@ def from_doubles(robot: Robot) -> BallRobot:
         framed=robot.framed.tolist(),
         gear_ratio=[arb(x) for x in robot.gear_ratio.tolist()],
         coulomb_speed=[arb(x) for x in robot.coulomb_speed.tolist()],
+        moves=robot.moves.tolist(),
         leaders=f.leaders.tolist(),
         multiplier=[arb(x) for x in f.multiplier.tolist()],
         offset=[arb(x) for x in f.offset.tolist()],
@@ -118,6 +120,8 @@ def coefficients(robot: BallRobot, state: State) -> Coefficients:
         q.append(mu * q[leader] + robot.offset[k])
         for vector in (dq, dq_a, ddq_a):
             vector.append(mu * vector[leader])
+    for vector in (q, dq, dq_a, ddq_a):
+        vector[:] = [x for _, x in sorted(zip(robot.moves, vector, strict=True), key=_joint)]
     links = _forward(robot, q, dq, dq_a, ddq_a)
     moving = [b for b, joint in enumerate(robot.body_joints) if joint >= 0]
     motions = {b: _body_motion(robot, links, b) for b in moving}
@@ -139,6 +143,7 @@ def coefficients(robot: BallRobot, state: State) -> Coefficients:
         drives[i][3 * i] = dq[i]
         drives[i][3 * i + 1] = arb(1)
         drives[i][3 * i + 2] = robot.gear_ratio[i] * robot.gear_ratio[i] * ddq_a[i]
+    bodies, drives = ([rows[i] for i in robot.moves] for rows in (bodies, drives))
     for k, leader in enumerate(robot.leaders):  # (15): G' tau
         mu = robot.multiplier[k]
         for rows in (bodies, drives):
@@ -151,6 +156,10 @@ def coefficients(robot: BallRobot, state: State) -> Coefficients:
         dq,
         [_smooth_sign(v, v_c) for v, v_c in zip(dq, robot.coulomb_speed, strict=True)],
     )
+
+
+def _joint(moved: tuple[int, arb]) -> int:
+    return moved[0]
 
 
 def _smooth_sign(dq: arb, v_c: arb) -> arb:

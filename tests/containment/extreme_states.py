@@ -46,7 +46,7 @@ def random_signals(
     """The kind, and a state of it; sparse: most rates are 0, the others of any size."""
     n = robot.n
     kind = str(rng.choice(list(SHARES), p=list(SHARES.values())))
-    slides = np.array([joint == "prismatic" for joint in robot.joint_types[:n]])
+    slides = np.array([joint == "prismatic" for joint in robot.free_types])
     reach = np.where(slides, np.inf, 1e5)  # the kernel refuses angles beyond
     q = rng.uniform(-np.pi, np.pi, n)
     dq, dq_des, ddq_des = rng.normal(size=(3, n)) * 2.0

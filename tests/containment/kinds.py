@@ -54,6 +54,7 @@ LEAST = {
     "whole turns taken off": 0.09,
     "followers": 0.09,
     "link without a body": 0.09,
+    "free joint behind a follower": 0.04,
     "body known to a bit": 0.08,
     "rates apart by 1e100": 0.08,
     "kilometres": 0.07,
@@ -94,6 +95,7 @@ def kinds_of_robot(robot: Robot, written: Written) -> set[str]:
         "all prismatic": prismatic.all(),
         "tree": written.parents != list(range(-1, robot.j - 1)),
         "followers": robot.j > robot.n,
+        "free joint behind a follower": _carries_free(robot),
         "several bodies a link": bodies.max() > 1,
         "link without a body": bodies.min() == 0,
         "body on the base": len(links) < robot.b,
@@ -106,6 +108,17 @@ def kinds_of_robot(robot: Robot, written: Written) -> set[str]:
         "disturbance": bool(np.any(robot.disturbance.lo < robot.disturbance.hi)),
     }
     return {name for name, is_so in found.items() if is_so} | _kinds_of_box(robot)
+
+
+def _carries_free(robot: Robot) -> bool:
+    """Whether a joint that follows another carries one that moves freely."""
+    followers = set(robot.followers.joints.tolist())
+    for i in robot.free.tolist():
+        while i >= 0:
+            i = int(robot.parents[i])
+            if i in followers:
+                return True
+    return False
 
 
 def _kinds_of_box(robot: Robot) -> set[str]:
@@ -153,7 +166,7 @@ def _kinds_of_box(robot: Robot) -> set[str]:
 def kinds_of_state(robot: Robot, signals: Signals) -> set[str]:
     """Sizes of the signals, and how they hang together."""
     q, dq, _, dq_des, ddq_des = (np.abs(x) for x in signals)
-    free: Any = robot.turns[: robot.n]
+    free: Any = robot.free_turns
     rates = np.concatenate([dq, dq_des, ddq_des])
     moving = rates[rates > 0.0]
     turns = q[free] / (np.pi / 2)

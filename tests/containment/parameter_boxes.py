@@ -137,6 +137,7 @@ def make_robot(rng: np.random.Generator, written: Written, sparse: bool = False)
             leaders=np.array(written.leaders, dtype=np.int32),
             multiplier=np.array([float(x) for x in written.multiplier]),
             offset=np.array([nearest(amount(move)) for move in written.offset]),
+            joints=np.array(written.moves[n:], dtype=np.int32),
         ),
         inertia_about=tuple("frame" if x < 0.3 else "com" for x in rng.random(b)),
     )

@@ -34,6 +34,7 @@ class Written:
     placement: list[list[Move]]
     gear_ratio: list[Fraction]  # (j)
     coulomb_speed: list[Fraction]  # (j)
+    moves: list[int]  # (j) the free joints, then those that follow
     leaders: list[int]  # (j - n)
     multiplier: list[Fraction]
     offset: list[Move]  # one angle or length for each follower
@@ -115,6 +116,7 @@ def exact_robot(written: Written, framed: Sequence[bool]) -> BallRobot:
         framed=framed,
         gear_ratio=[ball(x) for x in written.gear_ratio],
         coulomb_speed=[ball(x) for x in written.coulomb_speed],
+        moves=written.moves,
         leaders=written.leaders,
         multiplier=[ball(x) for x in written.multiplier],
         offset=[amount(move) for move in written.offset],
@@ -168,7 +170,7 @@ def span(rng: np.random.Generator, reach: float) -> list[Move]:
 def random_written(
     rng: np.random.Generator, n: int, followers: int, sparse: bool = False
 ) -> Written:
-    """A random robot with n free joints and that many followers.
+    """A random robot with n free joints and that many followers, half of the time anywhere.
 
     sparse: Without gravity and with few lengths, so that no large torque hides the rounding of
     another.
@@ -194,6 +196,9 @@ def random_written(
         return 10.0 ** rng.uniform(-9, 3) * (rng.random() < 0.4) if sparse else reach
 
     drive = rng.random() < 0.7
+    following = list(range(n, j))
+    if followers and rng.random() < 0.5:
+        following = sorted(rng.permutation(j)[:followers].tolist())
     return Written(
         prismatic=(rng.random(j) < share).tolist(),
         parents=parents,
@@ -208,6 +213,7 @@ def random_written(
             Fraction(int(rng.integers(1, 100))) * Fraction(10) ** int(rng.integers(-6, -1))
             for _ in range(j)
         ],
+        moves=[*(i for i in range(j) if i not in following), *following],
         leaders=[int(k) for k in rng.integers(0, n, followers)],
         multiplier=[decimal(rng, 3.0) for _ in range(followers)],
         offset=[

@@ -367,12 +367,13 @@ MODULE_CASES = [
         ),
     ),
     (
-        "a mass of zero",
+        "a mass of zero with a tensor",
         "mass: 2 kg",
         "mass: 0 kg",
         (
-            "arm.yaml:18: body link, mass: 0 kg is not positive; a body's mass is above 0; "
-            "correct it"
+            "arm.yaml:20: body link, inertia: not 0 for a body of 0 kg; what has no mass has no "
+            "moment of inertia; give the mass, or write physical: as-written here if the figures "
+            "are meant"
         ),
     ),
     (
@@ -380,7 +381,7 @@ MODULE_CASES = [
         "mass: 2 kg",
         "mass: -2 kg",
         (
-            "arm.yaml:18: body link, mass: -2 kg is not positive; a body's mass is above "
+            "arm.yaml:18: body link, mass: -2 kg is negative; a body's mass is at least "
             "0; correct it"
         ),
     ),
@@ -399,16 +400,18 @@ MODULE_CASES = [
         "yy: -0.03",
         (
             "arm.yaml:20: body link, inertia.yy: -0.03 kg m^2 is negative; a moment of "
-            'inertia must be positive; check the figures and the reference point ("about")'
+            'inertia is at least 0; check the figures and the reference point ("about")'
         ),
     ),
     (
-        "a moment of inertia of zero",
+        "a moment of inertia of zero beside two that differ",
         "yy: 0.03",
         "yy: 0",
         (
-            "arm.yaml:20: body link, inertia.yy: 0 kg m^2 is zero; a moment of inertia "
-            'must be positive; check the figures and the reference point ("about")'
+            "arm.yaml:20: body link, inertia: principal moments 0, 0.02, 0.03 kg m^2 break the "
+            "triangle inequality; the largest is at most the sum of the other two; check the "
+            'figures and the reference point ("about"), or write physical: as-written beside them '
+            "if they are meant"
         ),
     ),
     (
@@ -417,7 +420,7 @@ MODULE_CASES = [
         "yy: 0.03, xy: 1",
         (
             "arm.yaml:20: body link, inertia: principal moments -0.975012, 0.03, 1.02501 "
-            "kg m^2; the nominal tensor must be positive definite; check the figures and "
+            "kg m^2; no principal moment of the nominal tensor is negative; check the figures and "
             'the reference point ("about")'
         ),
     ),
@@ -428,7 +431,8 @@ MODULE_CASES = [
         (
             "arm.yaml:20: body link, inertia: principal moments 0.02, 0.03, 0.1 kg m^2 "
             "break the triangle inequality; the largest is at most the sum of the other "
-            'two; check the figures and the reference point ("about")'
+            'two; check the figures and the reference point ("about"), or write physical: '
+            "as-written beside them if they are meant"
         ),
     ),
     (
@@ -437,7 +441,7 @@ MODULE_CASES = [
         "about: frame, yy: 0.01",
         (
             "arm.yaml:20: body link, inertia.yy: -0.01 kg m^2 after the move to the COM is "
-            "negative; a moment of inertia must be positive; check the figures and the "
+            "negative; a moment of inertia is at least 0; check the figures and the "
             'reference point ("about")'
         ),
     ),

@@ -251,7 +251,7 @@ def test_a_body_set_to_none_leaves_its_span_behind(load):
         (
             "link.inertia.xxx: 1",
             'robot.yaml:1: body link, inertia: unknown key "xxx"; did you mean "xx"? '
-            "known: about, xx, yy, zz, xy, xz, yz",
+            "known: about, xx, yy, zz, xy, xz, yz, physical",
         ),
         (
             "link.mass.x: 1",

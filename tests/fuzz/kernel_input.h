@@ -155,7 +155,8 @@ static void take_model(fuzz_case *c, bytes *in) {
     const int32_t n = 1 + take_byte(in) % 12, followers = take_byte(in) % 4;
     const int32_t j = n + followers, b = take_byte(in) % 16;
     int32_t *type = allocate(c, (size_t)j * 4), *parent = allocate(c, (size_t)j * 4);
-    int32_t *leader = allocate(c, (size_t)followers * 4), *joint = allocate(c, (size_t)b * 4);
+    int32_t *moves = allocate(c, (size_t)j * 4), *joint = allocate(c, (size_t)b * 4);
+    int32_t *leader = allocate(c, (size_t)followers * 4);
     mr_transform *before = allocate(c, (size_t)j * sizeof *before);
     mr_transform *after = allocate(c, (size_t)j * sizeof *after);
     mr_transform *placement = allocate(c, (size_t)b * sizeof *placement);
@@ -171,6 +172,11 @@ static void take_model(fuzz_case *c, bytes *in) {
         ratio[i] = take_double(in);
         speed[i] = take_double(in);
         if (!(speed[i] >= 0.0)) c->usual = 0;
+    }
+    for (int32_t i = 0, free = 0; i < j; ++i) { /* as many follow as shall, any of them */
+        const int follows = (take_byte(in) & 1 && i - free < followers) || free == n;
+        moves[follows ? n + i - free : free] = i;
+        free += !follows;
     }
     for (int32_t i = 0; i < followers; ++i) {
         leader[i] = take_byte(in) % n;
@@ -191,6 +197,7 @@ static void take_model(fuzz_case *c, bytes *in) {
                           .after = after,
                           .gear_ratio = ratio,
                           .coulomb_speed = speed,
+                          .moves = moves,
                           .leader = leader,
                           .multiplier = multiplier,
                           .offset = offset,

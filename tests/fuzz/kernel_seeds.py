@@ -40,6 +40,7 @@ def encode(robot: mr.Robot, rng: np.random.Generator) -> bytes:
         kind = robot.joint_types[i] == "prismatic"
         out += [bytes([kind, robot.parents[i] + 1]), transform(robot.before[i])]
         out += [transform(robot.after[i]), numbers([robot.gear_ratio[i], robot.coulomb_speed[i]])]
+    out.append(bytes(np.isin(np.arange(robot.j), f.joints).tolist()))
     for leader, multiplier, offset in zip(f.leaders, f.multiplier, f.offset, strict=True):
         out += [bytes([leader]), numbers([multiplier, offset])]
     bodies = zip(robot.body_joints, robot.framed, robot.placement, strict=True)

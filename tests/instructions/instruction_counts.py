@@ -115,6 +115,7 @@ def data(robot: mr.Robot, method: str, rate: float) -> str:
     out.append(transforms("before", robot.before) + transforms("after", robot.after))
     out.append(table("double", "ratios", robot.gear_ratio))
     out.append(table("double", "speeds", robot.coulomb_speed))
+    out.append(table("int32_t", "moves", robot.moves))
     out.append(table("int32_t", "leaders", f.leaders))
     out.append(table("double", "multipliers", f.multiplier) + table("double", "offsets", f.offset))
     out.append(table("int32_t", "body_joints", robot.body_joints))
@@ -130,7 +131,7 @@ def data(robot: mr.Robot, method: str, rate: float) -> str:
     out.append(f"static const double signals[STATES][5][JOINTS] = {{{{{rows}}}}};\n")
     out.append(
         f"static const mr_model command_model = {{{robot.n}, {j}, {b}, types, parents, before, "
-        "after, ratios, speeds, leaders, multipliers, offsets, body_joints, placements, "
+        "after, ratios, speeds, moves, leaders, multipliers, offsets, body_joints, placements, "
         f"abouts, {{{floats(x + y + z)}}}, NULL, NULL}};\n"
     )
     ends = np.cumsum([0, b, 3 * b, 6 * b, j, j])

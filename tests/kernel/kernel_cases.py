@@ -36,7 +36,9 @@ def robots(seed: int, count: int) -> Iterator[Robot]:
         if k % 3 == 1:
             endless = {"revolute": "continuous", "prismatic": "prismatic"}
             robot = replace(robot, joint_types=tuple(endless[kind] for kind in robot.joint_types))
-        yield tied(robot, int(rng.integers(1, robot.n)), rng) if k % 2 and robot.n > 1 else robot
+        if k % 2 and robot.n > 1:
+            robot = tied(robot, int(rng.integers(1, robot.n)), rng, anywhere=k % 4 == 3)
+        yield robot
 
 
 def states(rng: np.random.Generator, n: int) -> list[State]:

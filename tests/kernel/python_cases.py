@@ -138,6 +138,6 @@ def model_maker(robot: Robot) -> Callable[[], _kernel.Model]:
     abouts = robot.framed.astype(np.int32)
     return lambda: _kernel.Model(
         types, robot.parents, robot.before, robot.after, robot.gravity, robot.body_joints,
-        robot.placement, abouts, robot.gear_ratio, robot.coulomb_speed, followers.leaders,
-        followers.multiplier, followers.offset, robot.wraps.astype(np.int32),
+        robot.placement, abouts, robot.gear_ratio, robot.coulomb_speed, robot.moves,
+        followers.leaders, followers.multiplier, followers.offset, robot.wraps.astype(np.int32),
     )  # fmt: skip

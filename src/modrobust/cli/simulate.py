@@ -23,7 +23,14 @@ from modrobust.cli.options import (
     robot,
     seconds,
 )
-from modrobust.cli.simulate_pictures import Plant, Video, View, check_pictures, show_pictures
+from modrobust.cli.simulate_pictures import (
+    Plant,
+    Video,
+    View,
+    check_pictures,
+    check_shown,
+    show_pictures,
+)
 
 EXAMPLES = """\b
 Examples:
@@ -121,6 +128,7 @@ def simulate(
     check_pictures(video, view)
     places = (base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
     arm = robot(file, *places, say_exact=json)  # else the verdict says
+    check_shown(arm, video, view)
     options = ["control_rate", "scenario", "parameters"]
     options += ["duration"] if duration is not None else []  # else it is the file's
     options += ["trajectory"] if trajectory is not None else []

@@ -9,6 +9,7 @@ import typer
 
 if TYPE_CHECKING:
     from modrobust.result import SimulationResult
+    from modrobust.robot import Robot
 
 Plant = Annotated[
     Literal["builtin", "mujoco", "pinocchio"],
@@ -34,6 +35,14 @@ def check_pictures(video: Path | None, view: bool) -> None:
 
         with named_as_options(remedies=True):
             check_viewer()
+
+
+def check_shown(robot: Robot, video: Path | None, view: bool) -> None:
+    """Refuse before the run a robot that MuJoCo, which draws it, does not take."""
+    if video is not None or view:
+        from modrobust.describe.mjcf import refuse_unphysical
+
+        refuse_unphysical(robot)
 
 
 def show_pictures(result: SimulationResult, video: Path | None, view: bool) -> None:

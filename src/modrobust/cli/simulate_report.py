@@ -110,7 +110,7 @@ def _joints(robot: Robot, figures: Mapping[str, Any]) -> Table:
     for j, name in enumerate(robot.joint_names):
         rows.add_row(
             name,
-            "N m" if robot.turns[j] else "N",
+            "N m" if robot.free_turns[j] else "N",
             *(number(None if figures[key] is None else figures[key][j]) for key in _PER_JOINT),
         )
     return rows

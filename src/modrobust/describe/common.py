@@ -89,12 +89,18 @@ def leaves(robot: Robot) -> list[int]:
     return sorted(set(range(robot.j)) - set(robot.parents.tolist()))
 
 
+def entry_of(robot: Robot, i: int) -> int:
+    """Where joint i stands in a vector of the n free joints, or n + k for the k-th follower."""
+    return int(np.flatnonzero(robot.moves == i)[0])
+
+
 def joint_range(robot: Robot, i: int) -> tuple[float, float]:
     """Position limits of any joint; a follower's are its leader's, carried over."""
-    if i < robot.n:
-        lo, hi = robot.position_limits[i]
+    entry = entry_of(robot, i)
+    if entry < robot.n:
+        lo, hi = robot.position_limits[entry]
     else:
-        f, k = robot.followers, i - robot.n
+        f, k = robot.followers, entry - robot.n
         ends = f.multiplier[k] * robot.position_limits[f.leaders[k]] + f.offset[k]
         lo, hi = ends.min(), ends.max()
     return float(lo), float(hi)
@@ -118,7 +124,8 @@ def without_bounds(robot: Robot) -> list[str]:
 
 def listed(robot: Robot, which: Array | NDArray[np.bool_]) -> str:
     """Names of the joints for which `which` (n,) or (j,) holds; "every joint" for all."""
-    chosen = [name for name, yes in zip(robot.all_joint_names, which, strict=False) if yes]
+    names = robot.joint_names if len(which) == robot.n else robot.all_joint_names
+    chosen = [name for name, yes in zip(names, which, strict=True) if yes]
     return "every joint" if len(chosen) == robot.j else ", ".join(chosen)
 
 

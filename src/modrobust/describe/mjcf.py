@@ -25,6 +25,7 @@ from modrobust.describe.geoms import add_geoms
 from modrobust.describe.orientation import quaternion
 from modrobust.errors import ValueRangeError
 from modrobust.kernel import own_environment
+from modrobust.physical import excess
 from modrobust.robot import Parameters, Robot
 
 Array = NDArray[np.float64]
@@ -57,7 +58,7 @@ def mjcf_text(
 
     Raises:
         ShapeError: `parameters` belong to another robot.
-        ValueRangeError: The time step is not positive.
+        ValueRangeError: The time step is not positive, or a body is refused: `refuse_unphysical`.
     """
     root, lost = mjcf_element(robot, parameters, timestep=timestep, visual=visual)
     return Exported(document(root, robot, "MJCF", lost), tuple(lost))
@@ -75,6 +76,7 @@ def mjcf_element(
     if not (np.isfinite(timestep) and timestep > 0.0):
         raise ValueRangeError(f"timestep: {timestep:g} s; must be positive and finite")
     point = point_of(robot, parameters)
+    refuse_unphysical(robot, point)
     lost = _lost(robot, point)
     root = ET.Element("mujoco", model=robot.name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="false", inertiafromgeom="false")
@@ -123,6 +125,31 @@ def mjcf_element(
             motor.set("ctrlrange", numbers([-limit, limit]))
             motor.set("ctrllimited", "false")
     return root, lost
+
+
+def refuse_unphysical(robot: Robot, parameters: Parameters | None = None) -> None:
+    """Refuse a robot that MuJoCo would refuse or change: it takes only what a rigid body can have.
+
+    Args:
+        robot: Any robot; its nominal point is looked at.
+        parameters: Another point, looked at too.
+
+    Raises:
+        ValueRangeError: A moving body has a tensor that no rigid body has; the message names it.
+    """
+    found = dict(robot.unphysical)
+    if parameters is not None:
+        # At an end of its box a payload may have a tensor and no mass, which MuJoCo takes.
+        beyond = excess(np.ones(robot.b), parameters.inertia)
+        moving = np.flatnonzero((beyond > 0.0) & (robot.body_joints >= 0))
+        found |= {robot.body_names[k]: float(beyond[k]) for k in moving}
+    if found:
+        names = ", ".join(found)
+        raise ValueRangeError(
+            f'robot "{robot.name}": MuJoCo takes no body whose inertia no rigid body has, and such '
+            f"are {names}; nothing is balanced here; give them figures that a body can have, or "
+            "use the built-in plant, Pinocchio or a URDF"
+        )
 
 
 def _frame(parent: ET.Element, name: str, T: Array) -> ET.Element:
@@ -203,7 +230,7 @@ def _lost(robot: Robot, point: Parameters) -> list[str]:
             "Coulomb friction as F_c s(dq); frictionloss holds F_c, MuJoCo makes a constraint of it"
         )
     if robot.j > robot.n:
-        following = np.arange(robot.j) >= robot.n
+        following = np.isin(np.arange(robot.j), robot.followers.joints)
         lost.append(f"that {listed(robot, following)} follow exactly; MuJoCo's equality is soft")
     if np.isfinite(robot.velocity_limits).any():
         lost.append("velocity limits")

@@ -12,6 +12,7 @@ from modrobust.describe.common import (
     Names,
     body_origin,
     document,
+    entry_of,
     joint_origin,
     joint_range,
     leaves,
@@ -116,11 +117,12 @@ def _joint(
             lo, hi = -NO_LIMIT, NO_LIMIT
         limit.set("lower", number(np.clip(lo, -NO_LIMIT, NO_LIMIT)))
         limit.set("upper", number(np.clip(hi, -NO_LIMIT, NO_LIMIT)))
-    free = i < robot.n
-    limit.set("effort", number(min(robot.effort_limits[i], NO_LIMIT) if free else NO_LIMIT))
-    limit.set("velocity", number(min(robot.velocity_limits[i], NO_LIMIT) if free else NO_LIMIT))
+    entry = entry_of(robot, i)
+    free = entry < robot.n
+    for name, limits in (("effort", robot.effort_limits), ("velocity", robot.velocity_limits)):
+        limit.set(name, number(min(limits[entry], NO_LIMIT) if free else NO_LIMIT))
     if not free:
-        f, k = robot.followers, i - robot.n
+        f, k = robot.followers, entry - robot.n
         leader = robot.joint_names[f.leaders[k]]
         ratio = {"multiplier": number(f.multiplier[k]), "offset": number(f.offset[k])}
         ET.SubElement(joint, "mimic", {"joint": leader, **ratio})
@@ -167,19 +169,25 @@ def _lost(robot: Robot, point: Parameters) -> list[str]:
         )
     if tuple(robot.gravity) != _STANDARD_GRAVITY:
         lost.append(f"gravity ({numbers(robot.gravity)}) m/s^2; readers assume (0 0 -9.81)")
-    revolute = robot.turns[: robot.n]
-    continuous = np.array([kind == "continuous" for kind in robot.joint_types[: robot.n]])
+    revolute = robot.free_turns
+    continuous = np.array([kind == "continuous" for kind in robot.free_types])
     finite = np.isfinite(robot.position_limits)
     half_open = revolute & (finite.sum(axis=1) == 1)
     if half_open.any():
         lost.append(f"the one-sided position limit of {listed(robot, half_open)}")
-    unknown = np.full(robot.j - robot.n, np.inf)  # those of followers
     missing = (
         ("position", ~continuous & ~finite.all(axis=1)),
-        ("velocity", ~np.isfinite(np.append(robot.velocity_limits, unknown))),
-        ("effort", ~np.isfinite(np.append(robot.effort_limits, unknown))),
+        ("velocity", _without_limit(robot, robot.velocity_limits)),
+        ("effort", _without_limit(robot, robot.effort_limits)),
     )
     for what, where in missing:
         if where.any():
             lost.append(f"that {listed(robot, where)} has no {what} limit; {NO_LIMIT:g} is written")
     return lost
+
+
+def _without_limit(robot: Robot, limits: Array) -> NDArray[np.bool_]:
+    """Which of the j joints have no finite limit; those that follow have none of their own."""
+    everything = np.ones(robot.j, dtype=np.bool_)
+    everything[robot.free] = ~np.isfinite(limits)
+    return everything

@@ -38,19 +38,29 @@ class Masses:
     bounded_com: Three
 
 
-def read_masses(mass: Node, com: Node, prefix: str, tolerances: Tolerances) -> Masses:
+def read_masses(
+    mass: Node, com: Node, prefix: str, tolerances: Tolerances, no_mass_is_exact: bool = False
+) -> Masses:
     """Mass and COM with their tolerances.
 
+    Args:
+        mass: Node of the mass.
+        com: Node of the COM.
+        prefix: Before the names of the fields.
+        tolerances: Bounds where none are written.
+        no_mass_is_exact: Whether a mass of 0 takes no tolerance.
+
     Raises:
-        DescriptionError: A mass that is not positive, or whose lower bound is negative.
+        DescriptionError: A mass that is negative, or whose lower bound is.
     """
     written = parse_written(mass, ("mass",), f"{prefix}mass")
     nominal = written.quantity().nominal
-    if nominal <= 0:
+    if nominal < 0:
         raise mass.where.error(
-            f"{prefix}mass", f"{nominal:g} kg is not positive; a body's mass is above 0; correct it"
+            f"{prefix}mass", f"{nominal:g} kg is negative; a body's mass is at least 0; correct it"
         )
-    bounded = tolerances.apply("mass", written, "mass")
+    exact = no_mass_is_exact and nominal == 0
+    bounded = written if exact else tolerances.apply("mass", written, "mass")
     bounded_mass = bounded.quantity()
     if bounded_mass.lo < 0:
         raise mass.where.error(
@@ -80,16 +90,28 @@ def _refuse_absurd(where: Where, field: str, unit: str, most: float, found: Quan
 
 
 def read_inertia(
-    model: InertiaModel, masses: Masses, prefix: str, tolerances: Tolerances
+    model: InertiaModel,
+    masses: Masses,
+    prefix: str,
+    tolerances: Tolerances,
+    as_written: bool = False,
 ) -> tuple[Six, bool]:
-    """The six tensor entries about their point as written; whether all in the bounds are physical.
+    """The six tensor entries about their point as written; whether their bounds need no remark.
 
     The box stays about the frame where the tensor is written so: moved to the COM at nominal mass
     and COM alone it would lack bodies that the written bounds allow. A per cent is of the tensor as
-    written.
+    written. A remark is needed where the nominal tensor is physical and others in the bounds are not.
+
+    Args:
+        model: Structure of the tensor.
+        masses: Mass and COM of the body.
+        prefix: Before the names of the fields.
+        tolerances: Bounds where none are written.
+        as_written: Take a nominal tensor that no rigid body has, as `physical: as-written` does.
 
     Raises:
-        DescriptionError: The nominal tensor belongs to no rigid body.
+        DescriptionError: The nominal tensor belongs to no rigid body and is not taken as written,
+            or has a negative principal moment.
     """
     field = f"{prefix}inertia"
     entries = []
@@ -101,7 +123,8 @@ def read_inertia(
             entries.append(parse_written(node, ("inertia",), f"{field}.{name}"))
     framed = model.about == "frame"
     at_com = moved_to_com(entries, masses.mass, masses.com) if framed else entries
-    check_physical(at_com, model.where, field, framed)
+    as_written = as_written or model.physical is not None
+    physical = check_physical(at_com, masses.mass, model.where, field, framed, as_written)
     largest = largest_principal_moment([entry.nominal.middle for entry in entries])
     xx, xy, xz, yy, yz, zz = (
         tolerances.apply("inertia", entry, "inertia", largest).quantity() for entry in entries
@@ -109,6 +132,5 @@ def read_inertia(
     inertia = (xx, xy, xz, yy, yz, zz)
     for name, entry in zip(ENTRIES, inertia, strict=True):
         _refuse_absurd(model.where, f"{field}.{name}", "kg m^2", _MOST_INERTIA, entry)
-    if framed:
-        return inertia, box_is_physical(inertia, (masses.bounded_mass, *masses.bounded_com))
-    return inertia, box_is_physical(inertia)
+    whole = (masses.bounded_mass, *masses.bounded_com) if framed else ()
+    return inertia, not physical or box_is_physical(inertia, whole)

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from modrobust.formats.exact import Enclosure, nearest
 from modrobust.formats.nodes import Where
 from modrobust.formats.quantity import Quantity, Written
+from modrobust.physical import TRIANGLE as _TRIANGLE
 from modrobust.symmetric import eigenvalues, largest_eigenvalue
 
 ENTRIES = ("xx", "xy", "xz", "yy", "yz", "zz")
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-_TRIANGLE = 1e-9  # relative: flat bodies lie on the boundary, printed figures just beside it
 
 Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
 
@@ -64,38 +64,64 @@ def positive_definite(tensor: Sequence[Fraction]) -> bool:
     return xx > 0 and minor > 0 and whole > 0
 
 
-def check_physical(entries: Sequence[Written], where: Where, field: str, moved: bool) -> None:
-    """Refuse a nominal tensor (about the COM) that no rigid body has.
+def check_physical(
+    entries: Sequence[Written],
+    mass: Written,
+    where: Where,
+    field: str,
+    moved: bool,
+    as_written: bool,
+) -> bool:
+    """Refuse a nominal tensor (about the COM) that no rigid body has; say whether it is physical.
+
+    Args:
+        entries: The nominal tensor and its bounds.
+        mass: Mass of the body.
+        where: Of the tensor, for messages.
+        field: Name of the tensor.
+        moved: Whether it was moved to the COM.
+        as_written: Whether a tensor whose moments are not negative is let pass.
 
     Raises:
-        DescriptionError: A moment <= 0, not positive definite, or the triangle inequality broken.
+        DescriptionError: A principal moment that is negative beyond rounding; unless `as_written`,
+            also the triangle inequality broken, or a tensor without mass.
     """
     note = " after the move to the COM" if moved else ""
     remedy = 'check the figures and the reference point ("about")'
+    meant = f"{remedy}, or write physical: as-written beside them if they are meant"
     tensor = [entry.nominal.middle for entry in entries]
     doubles = [entry.double(value, nearest) for entry, value in zip(entries, tensor, strict=True)]
+    moments = _moments(doubles)
+    rounding = _TRIANGLE * float(max(abs(moments)))  # of figures that are printed
     for i, name in ((0, "xx"), (3, "yy"), (5, "zz")):
-        if tensor[i] <= 0:
-            word = "negative" if tensor[i] < 0 else "zero"
+        if tensor[i] < -rounding:
             raise entries[i].where.error(
                 f"{field}.{name}",
-                f"{doubles[i]:.9g} kg m^2{note} is {word}; a moment of inertia must be positive; "
+                f"{doubles[i]:.9g} kg m^2{note} is negative; a moment of inertia is at least 0; "
                 f"{remedy}",
             )
-    moments = _moments(doubles)
     listed = ", ".join(f"{moment:.6g}" for moment in moments)
-    if not positive_definite(tensor):
+    if moments[0] < -rounding:
         raise where.error(
             field,
-            f"principal moments {listed} kg m^2{note}; the nominal tensor must be positive "
-            f"definite; {remedy}",
+            f"principal moments {listed} kg m^2{note}; no principal moment of the nominal tensor "
+            f"is negative; {remedy}",
         )
-    if moments[2] - moments[1] - moments[0] > _TRIANGLE * moments[2]:
+    massless = mass.nominal.middle == 0 and any(tensor)
+    if massless and not as_written:
+        raise where.error(
+            field,
+            "not 0 for a body of 0 kg; what has no mass has no moment of inertia; give the mass, "
+            "or write physical: as-written here if the figures are meant",
+        )
+    triangle = moments[2] - moments[1] - moments[0] <= _TRIANGLE * moments[2]
+    if not triangle and not as_written:
         raise where.error(
             field,
             f"principal moments {listed} kg m^2{note} break the triangle inequality; the largest "
-            f"is at most the sum of the other two; {remedy}",
+            f"is at most the sum of the other two; {meant}",
         )
+    return bool(triangle) and not massless
 
 
 def box_is_physical(inertia: Sequence[Quantity], framed: Sequence[Quantity] = ()) -> bool:

@@ -16,12 +16,15 @@ from modrobust.formats.nodes import Node, Where
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.perjoint import PerJoint
 from modrobust.formats.quantity import Quantity
-from modrobust.geometry import Transform
+from modrobust.geometry import IDENTITY, Transform
 
 
 @dataclass(frozen=True)
 class JointItem:
-    """A joint about or along z of the frame where the chain has got to; it has no span."""
+    """A joint about or along z of the frame where the chain has got to.
+
+    A row of modified D-H brings a transform `ahead` of the joint and one `behind` it.
+    """
 
     name: str
     type: str  # "revolute", "continuous" (it has no position limits) or "prismatic"
@@ -35,6 +38,8 @@ class JointItem:
     coulomb: Quantity | None  # joint side [N m] or [N]
     coulomb_speed: float  # [rad/s] or [m/s]
     where: Where
+    ahead: Transform = IDENTITY
+    behind: Transform = IDENTITY
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +54,7 @@ class BodyItem:
     inertia: tuple[Quantity, Quantity, Quantity, Quantity, Quantity, Quantity]
     inertia_about: str
     where: Where
+    modified: Where | None = None  # of a span that is a row of modified D-H
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +64,7 @@ class FrameItem:
     name: str
     span: Transform
     where: Where
+    modified: Where | None = None  # of a span that is a row of modified D-H
 
 
 @dataclass(frozen=True)

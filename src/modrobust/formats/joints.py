@@ -7,6 +7,7 @@ from modrobust.formats.models import JointModel
 from modrobust.formats.nodes import ListNode, Node, kind_of
 from modrobust.formats.part_models import LimitsModel
 from modrobust.formats.quantity import Quantity, parse_point, parse_written
+from modrobust.formats.span import row_ahead, row_behind
 from modrobust.formats.tolerance import Tolerances
 
 _COULOMB_SPEED = 1e-3  # [rad/s] or [m/s]
@@ -83,6 +84,8 @@ def read_joint(model: JointModel, prefix: str, tolerances: Tolerances) -> JointI
         ),
         coulomb_speed=_COULOMB_SPEED if speed is None else speed,
         where=model.where,
+        ahead=row_ahead(model.dh, f"{prefix}dh"),
+        behind=row_behind(model.dh, f"{prefix}dh"),
     )
 
 

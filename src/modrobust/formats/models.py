@@ -52,6 +52,17 @@ class DhModel(Part):
     theta: Point | None = Field(None, description="Angle about z [rad], default 0")
 
 
+class JointDhModel(Part):
+    """A modified Denavit-Hartenberg row with its joint: Rx(alpha) Tx(a), the motion, Tz(d)."""
+
+    convention: Annotated[str, choice("modified")] = Field(
+        description="modified = Rx(alpha) Tx(a) Rz(q) Tz(d); a standard row is a joint and a span"
+    )
+    a: Point | None = Field(None, description="Length along x before the joint [m], default 0")
+    alpha: Point | None = Field(None, description="Twist about x before it [rad], default 0")
+    d: Point | None = Field(None, description="Offset along z behind it [m], default 0")
+
+
 class Giusti2015Model(Part):
     """Extended D-H letters of Giusti and Althoff 2015."""
 
@@ -85,6 +96,7 @@ class JointModel(Part):
     type: Annotated[str, choice("revolute", "prismatic", "continuous")] = Field(
         description="Kind of motion"
     )
+    dh: JointDhModel | None = Field(None, description="The joint's row of modified D-H")
     limits: LimitsModel | None = Field(None, description="Limits")
     drive: DriveModel | None = Field(None, description="Drive, motor side")
     friction: FrictionModel | None = Field(None, description="Friction, joint side")

@@ -17,6 +17,7 @@ from modrobust.formats.items import (
     Module,
     NestedItem,
 )
+from modrobust.formats.joint_rows import BehindJoint
 from modrobust.formats.joints import read_joint
 from modrobust.formats.models import (
     BodyModel,
@@ -26,13 +27,14 @@ from modrobust.formats.models import (
     JointModel,
     ModuleModel,
     NestedModel,
+    SpanModel,
 )
 from modrobust.formats.naming import instance_names_of
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, shown
 from modrobust.formats.overrides import overridden
 from modrobust.formats.quantity import parse_angle, parse_point
 from modrobust.formats.reader import read_description
-from modrobust.formats.span import span_matrix
+from modrobust.formats.span import is_modified, span_matrix
 from modrobust.formats.tolerance import Tolerances
 from modrobust.kernel import own_environment
 
@@ -131,6 +133,7 @@ def _resolve(model: ModuleModel) -> Module:
     tolerances = Tolerances(model.tolerance)
     notes = list(model.notes or ())
     items: list[Item] = []
+    behind = BehindJoint()
     names: dict[str, Where] = {}
     faults = Faults()
     for index, entry in enumerate(model.chain):
@@ -138,6 +141,7 @@ def _resolve(model: ModuleModel) -> Module:
             item = _item(entry, f"chain[{index}]", tolerances, notes)
             if not isinstance(item, NestedItem):
                 _check_name(item.name, item.where, names)
+            behind.check(item)
             items.append(item)
     faults.stop()
     nested = [item for item in items if isinstance(item, NestedItem)]
@@ -179,7 +183,7 @@ def _item(entry: ChainEntry, field: str, tolerances: Tolerances, notes: list[str
         return read_joint(entry, f"joint {entry.joint}, ", tolerances)
     if isinstance(entry, FrameModel):
         span = span_matrix(entry.span, f"frame {entry.frame}, span")
-        return FrameItem(entry.frame, span, entry.where)
+        return FrameItem(entry.frame, span, entry.where, _modified(entry.span))
     if isinstance(entry, NestedModel):
         return nested_item(entry, field)
     return _body(entry, tolerances, notes)
@@ -202,7 +206,12 @@ def _body(entry: BodyModel, tolerances: Tolerances, notes: list[str]) -> BodyIte
         inertia=inertia,
         inertia_about=entry.inertia.about or "com",
         where=entry.where,
+        modified=_modified(entry.span),
     )
+
+
+def _modified(span: SpanModel | None) -> Where | None:
+    return span.where if span is not None and is_modified(span) else None
 
 
 def nested_item(entry: NestedModel, field: str) -> NestedItem:

@@ -18,7 +18,7 @@ from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, kind_of
 from modrobust.names import did_you_mean
 
 _SETTABLE: dict[type, tuple[str, ...]] = {
-    JointModel: ("limits", "drive", "friction"),
+    JointModel: ("limits", "drive", "friction", "dh"),
     BodyModel: ("mass", "com", "inertia", "span", "expressed_in"),
     FrameModel: ("span",),
 }

@@ -50,6 +50,9 @@ class InertiaModel(Part):
     xy: Value | None = Field(None, description="Tensor entry xy [kg m^2], default 0")
     xz: Value | None = Field(None, description="Tensor entry xz [kg m^2], default 0")
     yz: Value | None = Field(None, description="Tensor entry yz [kg m^2], default 0")
+    physical: Annotated[str, choice("as-written")] | None = Field(
+        None, description="as-written: take the figures even where no rigid body has them"
+    )
 
 
 class ToleranceModel(Part):

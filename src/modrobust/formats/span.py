@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from modrobust.formats.models import DhModel, Giusti2015Model, SpanModel
+from modrobust.formats.models import DhModel, Giusti2015Model, JointDhModel, SpanModel
 from modrobust.formats.nodes import ListNode, Node, kind_of
 from modrobust.formats.quantity import parse_angle, parse_exact
 from modrobust.geometry import (
@@ -15,6 +15,7 @@ from modrobust.geometry import (
     from_xyz_rpy,
     giusti2015,
     giusti2015_iit,
+    translation,
 )
 
 
@@ -80,6 +81,26 @@ def _dh(row: DhModel, field: str) -> Transform:
         d=_number(row.d, "length", f"{field}.d"),
         theta=_number(row.theta, "angle", f"{field}.theta"),
     )
+
+
+def row_ahead(row: JointDhModel | None, field: str) -> Transform:
+    """Rx(alpha) Tx(a) of a joint's row of modified D-H: what stands before the joint."""
+    if row is None or (row.a is None and row.alpha is None):
+        return IDENTITY
+    a, alpha = _number(row.a, "length", f"{field}.a"), _number(row.alpha, "angle", f"{field}.alpha")
+    return dh_modified(a=a, alpha=alpha, d=0, theta=0)
+
+
+def row_behind(row: JointDhModel | None, field: str) -> Transform:
+    """Tz(d) of a joint's row of modified D-H: what stands behind the joint."""
+    if row is None or row.d is None:
+        return IDENTITY
+    return translation((0, 0, _number(row.d, "length", f"{field}.d")))
+
+
+def is_modified(span: SpanModel | None) -> bool:
+    """Whether a span is a row of modified D-H."""
+    return span is not None and span.dh is not None and span.dh.convention == "modified"
 
 
 def _giusti(row: Giusti2015Model, field: str) -> Transform:

@@ -112,7 +112,8 @@ static mr_status check_rows(const mr_model *model, const double *const given[4],
                 for (int v = 1; v < 4; ++v)
                     if (!isfinite(multiplier * given[v][at])) return MR_NOT_FINITE;
             }
-            if (model->joint_type[i] == MR_REVOLUTE && fabs(q) > MR_ANGLE_MAX) beyond = 1;
+            const int32_t joint = model->j > n ? model->moves[i] : i;
+            if (model->joint_type[joint] == MR_REVOLUTE && fabs(q) > MR_ANGLE_MAX) beyond = 1;
         }
         if (beyond) return MR_ANGLE_RANGE;
     }

@@ -272,13 +272,19 @@ void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_si
 }
 
 void mr_lead_box(const mr_model *model, MR_REAL *lo, MR_REAL *hi) {
-    for (int32_t k = 0; k < model->j - model->n; ++k) {
-        const int32_t leader = model->leader[k], own = model->n + k;
+    const int32_t n = model->n, *moves = model->moves;
+    if (model->j == n) return;
+    for (int32_t k = 0; k < model->j - n; ++k) {
+        const int32_t leader = moves[model->leader[k]], own = moves[n + k];
         mr_interval share =
             mr_i_scale(MR_SPLAT(model->multiplier[k]), (mr_interval){lo[own], hi[own]});
         share = mr_i_widen(share, 2.0 * MR_U * mr_i_size(share)); /* as written in decimals */
         const mr_interval sum = mr_i_add((mr_interval){lo[leader], hi[leader]}, share);
         lo[leader] = sum.lo;
         hi[leader] = sum.hi;
+    }
+    for (int32_t i = 0; i < n; ++i) {
+        lo[i] = lo[moves[i]];
+        hi[i] = hi[moves[i]];
     }
 }

@@ -203,7 +203,7 @@ void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]);
 mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const mr_state *given,
                         mr_state *state);
 
-/* Adds the followers' torques to those of their leaders, (15). */
+/* Adds the followers' torques to those of their leaders, (15): from (j) to (n) in place. */
 void mr_lead(const mr_model *model, MR_REAL *tau);
 void mr_lead_box(const mr_model *model, MR_REAL *lo, MR_REAL *hi);
 

@@ -12,11 +12,12 @@ void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]) {
     }
     for (int v = 0; v < 6; ++v) {
         if (!given[v]) continue;
-        for (int32_t i = 0; i < n; ++i) full[v][i] = given[v][i];
+        for (int32_t i = 0; i < n; ++i) full[v][model->moves[i]] = given[v][i];
         for (int32_t k = 0; k < model->j - n; ++k) {
             const double factor = v < 4 ? model->multiplier[k] : fabs(model->multiplier[k]);
-            full[v][n + k] = factor * given[v][model->leader[k]];
-            if (v == 0) full[v][n + k] += model->offset[k];
+            MR_REAL *const follower = &full[v][model->moves[n + k]];
+            *follower = factor * given[v][model->leader[k]];
+            if (v == 0) *follower += model->offset[k];
         }
     }
     *state = (mr_state){full[0], full[1], full[2], full[3], given[4] ? full[4] : NULL,
@@ -24,8 +25,11 @@ void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]) {
 }
 
 void mr_lead(const mr_model *model, MR_REAL *tau) {
-    for (int32_t k = 0; k < model->j - model->n; ++k)
-        tau[model->leader[k]] += model->multiplier[k] * tau[model->n + k];
+    const int32_t n = model->n, *moves = model->moves;
+    if (model->j == n) return;
+    for (int32_t k = 0; k < model->j - n; ++k)
+        tau[moves[model->leader[k]]] += model->multiplier[k] * tau[moves[n + k]];
+    for (int32_t i = 0; i < n; ++i) tau[i] = tau[moves[i]]; /* moves[i] >= i, ascending */
 }
 
 void mr_all_sines(const mr_model *model, const MR_REAL *q, MR_REAL *sines) {

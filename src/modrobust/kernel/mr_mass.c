@@ -58,16 +58,17 @@ static void unit_wrench(const mr_model *model, int32_t i, const mr_link *link,
 
 /* G' M G for the map G of (15), from (j, j) to (n, n) in place. */
 static void fold_followers(const mr_model *model, double *M) {
-    const int32_t n = model->n, j = model->j;
+    const int32_t n = model->n, j = model->j, *moves = model->moves;
     if (j == n) return;
     for (int32_t k = 0; k < j - n; ++k)
         for (int32_t c = 0; c < j; ++c)
-            M[model->leader[k] * j + c] += model->multiplier[k] * M[(n + k) * j + c];
+            M[moves[model->leader[k]] * j + c] += model->multiplier[k] * M[moves[n + k] * j + c];
     for (int32_t k = 0; k < j - n; ++k)
         for (int32_t r = 0; r < n; ++r)
-            M[r * j + model->leader[k]] += model->multiplier[k] * M[r * j + n + k];
-    for (int32_t r = 1; r < n; ++r)
-        for (int32_t c = 0; c < n; ++c) M[r * n + c] = M[r * j + c];
+            M[moves[r] * j + moves[model->leader[k]]] +=
+                model->multiplier[k] * M[moves[r] * j + moves[n + k]];
+    for (int32_t r = 0; r < n; ++r)
+        for (int32_t c = 0; c < n; ++c) M[r * n + c] = M[moves[r] * j + moves[c]];
 }
 
 void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,

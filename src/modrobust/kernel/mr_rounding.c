@@ -78,9 +78,9 @@ mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state,
         }
     }
     for (int32_t k = 0; k < model->j - model->n; ++k) { /* before the sum may have cancelled */
-        const MR_REAL q = fabs(model->multiplier[k]) * MR_ABS(state->q[model->leader[k]]) +
-                          fabs(model->offset[k]);
-        if (model->joint_type[model->n + k] == MR_REVOLUTE)
+        const MR_REAL led = MR_ABS(state->q[model->moves[model->leader[k]]]);
+        const MR_REAL q = fabs(model->multiplier[k]) * led + fabs(model->offset[k]);
+        if (model->joint_type[model->moves[model->n + k]] == MR_REVOLUTE)
             size.followed += 3.0 * q;
         else
             size.out += q;
@@ -120,6 +120,9 @@ void mr_rounding_slack(const mr_model *model, const mr_slack_factors *factors,
         sum = sum * grown + under;
         slack[i] = MR_SELECT(safe, sum, infinite);
     }
-    for (int32_t k = 0; k < model->j - model->n; ++k)
-        slack[model->leader[k]] += fabs(model->multiplier[k]) * slack[model->n + k];
+    const int32_t n = model->n, *moves = model->moves;
+    if (model->j == n) return;
+    for (int32_t k = 0; k < model->j - n; ++k)
+        slack[moves[model->leader[k]]] += fabs(model->multiplier[k]) * slack[moves[n + k]];
+    for (int32_t i = 0; i < n; ++i) slack[i] = slack[moves[i]];
 }

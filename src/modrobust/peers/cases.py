@@ -33,7 +33,7 @@ def random_states(robot: Robot, count: int, seed: int = 0, speed: float = 1.0) -
     """Positions over a whole turn (+-0.5 m), velocities and accelerations within +-``speed``."""
     rng = np.random.default_rng(seed)
     shape = (count, robot.n)
-    turns = robot.turns[: robot.n]
+    turns = robot.free_turns
     q = rng.uniform(-1.0, 1.0, shape) * np.where(turns, np.pi, 0.5)  # [rad], [m]
     dq, dq_des, ddq_des = (rng.uniform(-speed, speed, shape) for _ in range(3))
     return States(q, dq, q + rng.uniform(-BESIDE, BESIDE, shape), dq_des, ddq_des)

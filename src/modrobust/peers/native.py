@@ -159,6 +159,7 @@ def _job(
     yield _integers(robot.parents)
     yield from map(_transforms, (robot.before, robot.after))
     yield from map(_doubles, (robot.gear_ratio, robot.coulomb_speed))
+    yield _integers(robot.moves)
     yield _integers(f.leaders)
     yield from map(_doubles, (f.multiplier, f.offset))
     yield _integers(robot.body_joints)

@@ -88,6 +88,7 @@ static mr_model read_model(void) {
     m.after = transforms(m.j);
     m.gear_ratio = doubles((size_t)m.j);
     m.coulomb_speed = doubles((size_t)m.j);
+    m.moves = integers(m.j);
     m.leader = integers(m.j - m.n);
     m.multiplier = doubles((size_t)(m.j - m.n));
     m.offset = doubles((size_t)(m.j - m.n));
