@@ -100,7 +100,7 @@ def read_inertia(
 
     The box stays about the frame where the tensor is written so: moved to the COM at nominal mass
     and COM alone it would lack bodies that the written bounds allow. A per cent is of the tensor as
-    written. A remark is needed where the nominal tensor is physical and others in the bounds are not.
+    written. A remark is needed where the nominal tensor is physical and others within are not.
 
     Args:
         model: Structure of the tensor.
