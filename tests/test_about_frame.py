@@ -162,10 +162,12 @@ def test_an_extremum_inside_the_box_is_found_where_the_reference_rates_differ() 
     assert inside > 3
 
 
-def test_a_box_moved_to_the_com_at_nominal_would_miss_true_torques() -> None:
-    """Why the kernel has this kind of body: else this test's points lie outside."""
-    robot = framed_robot(4)
-    state = random_state(np.random.default_rng(4), robot.n)
+@pytest.mark.parametrize("method", METHODS)
+def test_a_box_moved_to_the_com_at_nominal_would_miss_true_torques(
+    tmp_path: Path, method: str
+) -> None:
+    """Why there are bodies of this kind: 0.0924 is a torque of a body inside the written bounds."""
+    robot = bar_robot(tmp_path)
     p = robot.nominal
     shift = steiner(p.mass, p.com)
     points = {
@@ -173,9 +175,9 @@ def test_a_box_moved_to_the_com_at_nominal_would_miss_true_torques() -> None:
         for name in ("lower", "nominal", "upper")
     }
     moved = replace(robot, inertia_about=(), **points)
-    lo, hi = mr.inverse_dynamics_bounds(moved, *state, drives=False)
-    real_lo, real_hi = exact_range(robot, state, False)
-    assert np.any((real_lo < lo) | (real_hi > hi))
+    zero, one = np.zeros(1), np.ones(1)
+    lo, _ = mr.inverse_dynamics_bounds(moved, zero, zero, zero, one, method, False)
+    assert lo[0] > 0.095
 
 
 @pytest.mark.parametrize("method", METHODS)
