@@ -43,7 +43,7 @@ def test_where_a_turn_leads_to_another_pose_a_remark_says_that_nothing_wraps(
     tmp_path: Path, follower: str, multiplier: str, limit: str, said: str | None
 ) -> None:
     arm = led(tmp_path, follower, multiplier, limit)
-    found = [note for note in arm.notes if "less whole turns" in note]
+    found = [note for note in arm.notes if "continuous, but" in note]
     assert found == (
         []
         if said is None
