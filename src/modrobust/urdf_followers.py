@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from modrobust.parts import PlacedJoint
 
+_NO_LONGER = "; written as continuous, it is revolute so, and its error not less whole turns"
 _ROUNDING = 1e-9  # [rad] or [m]: a limit that moved by less is the same limit
 
 
@@ -38,6 +39,8 @@ def within_followers(joints: Sequence[PlacedJoint], notes: list[str]) -> tuple[P
                 notes.append(
                     f"joint {leader.name}: position limits [{narrow[0]:g}, {narrow[1]:g}], so that "
                     f"joint {follower.name}, which follows it, keeps its own"
+                    + _NO_LONGER
+                    * (leader.item.type == "continuous")
                 )
         if follower.item.velocity is not None:
             fastest = follower.item.velocity / abs(multiplier)

@@ -53,7 +53,7 @@ def test_simulate_answers_1_when_epsilon_is_not_reached_and_says_so(run, tmp_pat
         "trajectory: {kind: csv, file: still.csv}\ninitial: {q: 0.1, dq: 0}\n"
     )
     result = run("simulate", "far.yaml")
-    assert (result.returncode, result.stderr) == (1, "")
+    assert result.returncode == 1
     assert "Not good: the tracking error did not stay below epsilon = 0.01" in result.stdout
     assert "violations             0 of 1001 ticks, of the bound" in result.stdout
 

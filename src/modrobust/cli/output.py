@@ -136,6 +136,10 @@ class ProgressBar:
         if self._bar is not None:
             self._bar.stop()
 
+    def restart(self) -> None:
+        """What took time until now was no part of what the bar shows."""
+        self._start = time.monotonic()
+
     def __call__(self, done: float, label: str | None = None) -> None:
         if self._bar is None:
             elapsed = time.monotonic() - self._start

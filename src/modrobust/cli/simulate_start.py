@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-from modrobust.cli.output import note
+from modrobust.cli.output import ProgressBar, note
 
 LONG = 100.0  # [s] of motion
 _MEASURED = 0.05  # [s] of wall time, from which the rest is estimated
 
 
 class Start:
-    """Called with simulated and total time [s], first before the run; passes the part done on.
+    """Called with simulated and total time [s], first before the run; then passes the part done on.
 
     Args:
         heading: Settings of the run for its heading but the duration; None = print none.
@@ -21,19 +21,19 @@ class Start:
         bar: Takes the part that is done.
     """
 
-    def __init__(
-        self, heading: Mapping[str, Any] | None, rate: float, bar: Callable[[float], object]
-    ) -> None:
+    def __init__(self, heading: Mapping[str, Any] | None, rate: float, bar: ProgressBar) -> None:
         self._heading, self._rate, self._bar = heading, rate, bar
         self._begun: float | None = None
         self._estimated = False
 
     def __call__(self, done: float, total: float) -> None:
         if self._begun is None:
-            self._begun = time.monotonic()
             self._announce(total)
+            self._begun = time.monotonic()
+            self._bar.restart()
+            return
         elapsed = time.monotonic() - self._begun
-        if total >= LONG and not self._estimated and done > 0.0 and elapsed >= _MEASURED:
+        if total >= LONG and not self._estimated and elapsed >= _MEASURED:
             self._estimated = True
             note(f"about {_shown(elapsed * (total - done) / done)} to go")
         self._bar(done / total)
