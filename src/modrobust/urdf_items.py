@@ -165,7 +165,7 @@ def read_urdf_joint(
     owner = f"joint {joint.name}"
     given = overlay.node.entries if overlay is not None else {}
     limits = read_limits(joint, _entries(given.get("limits")), remarks)
-    drive = _drive(joint, _entries(given.get("drive")), remarks.notes)
+    drive = _drive(joint, _entries(given.get("drive")), remarks)
     # Exporters write damping="0" for "not known"; 0 with a tolerance in per cent has no width.
     friction = _present(viscous=_nonzero(joint.damping), coulomb=_nonzero(joint.friction))
     parts = {"limits": limits, "drive": drive, "friction": friction}
@@ -190,7 +190,7 @@ def _entries(node: Node | None) -> Mapping[str, Node]:
     return node.entries if isinstance(node, MapNode) else {}
 
 
-def _drive(joint: Joint, overlaid: Mapping[str, Node], notes: list[str]) -> dict[str, Node]:
+def _drive(joint: Joint, overlaid: Mapping[str, Node], remarks: JointRemarks) -> dict[str, Node]:
     """The drive: that of a transmission, or an armature, which is a rotor behind a gear of 1."""
     drive = joint.drive or Transmission(None, None)
     written = _present(gear_ratio=drive.reduction, rotor_inertia=_nonzero(drive.rotor_inertia))
@@ -200,7 +200,7 @@ def _drive(joint: Joint, overlaid: Mapping[str, Node], notes: list[str]) -> dict
         return written
     said = f"armature of {armature.value:g}"
     if overlaid:
-        notes.append(f"{owner}: {said} left out, since an assembly file gives its drive")
+        remarks.notes.append(f"{owner}: {said} left out, since an assembly file gives its drive")
         return written
     if "rotor_inertia" in written:
         raise armature.node.where.error(
@@ -211,8 +211,8 @@ def _drive(joint: Joint, overlaid: Mapping[str, Node], notes: list[str]) -> dict
         )
     instead = ""
     if drive.reduction is not None and drive.reduction.value != 1.0:
-        instead = f", and not {drive.reduction.value:g}, since it is on the joint's side"
-    notes.append(f"{owner}: {said} read as a rotor_inertia with a gear_ratio of 1{instead}")
+        instead = ", not the transmission's, since it is on the joint's side"
+    remarks.add(f"armature read as a rotor_inertia with a gear_ratio of 1{instead}", joint.name)
     return {"gear_ratio": ScalarNode("1", armature.node.where), "rotor_inertia": armature.node}
 
 

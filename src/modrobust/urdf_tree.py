@@ -229,7 +229,8 @@ class _Walk:
         if joint.type not in MOVING:
             return f"{joint.type} joint {joint.name} at its origin"
         unit = "m" if joint.type == "prismatic" else "rad"
-        return f"joint {joint.name} at {float(self._still(joint)):g} {unit}"
+        value = max(min(self._still(joint), Fraction(10**300)), Fraction(-(10**300)))
+        return f"joint {joint.name} at {float(value):g} {unit}"
 
     def _still(self, joint: Joint) -> Fraction:
         """Position of a joint before the base: where it is locked, else 0, as it follows that."""

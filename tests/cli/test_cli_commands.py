@@ -173,13 +173,15 @@ def test_numbers_stay_whole_in_a_narrow_terminal(tmp_path: Path, width: int) -> 
         assert any(all(n in line for n in numbers) for line in narrow.splitlines())
 
 
-def test_the_mounting_is_shown_where_it_is_not_the_default(run) -> None:
+def test_the_mounting_is_shown_and_always_which_way_gravity_points(run) -> None:
     text = run("assemble", "concert-wall").stdout
     assert "Base in the world: xyz [0 0 1.2] m, rpy [0 90 0] deg.\n" in text
     assert "Gravity in base axes: [9.81 0 0] m/s^2, along +x.\n" in text
     assert "\nD-H base [" in text
     assert "\nD-H tool [" in text
-    assert "Gravity" not in run("assemble", "lwa4p-paper").stdout
+    text = run("assemble", "lwa4p-paper").stdout
+    assert "Gravity in base axes: [0 0 -9.81] m/s^2, along -z.\n" in text
+    assert "Base in the world" not in text
 
 
 def test_gravity_of_another_place_is_shown_without_a_mounting(run, tmp_path: Path) -> None:
