@@ -23,7 +23,7 @@ from float_transforms import (
 )
 from modrobust import geometry
 from modrobust.errors import ValueRangeError
-from modrobust.geometry import IDENTITY, cos_sin
+from modrobust.geometry import IDENTITY, arctan2, cos_sin
 
 PI = Fraction("3.14159265358979323846264338327950288419716939937510")
 
@@ -154,3 +154,20 @@ def test_spans_that_cancel_leave_0_below_a_part_in_10_to_40_and_the_rest_above()
     for rest, left in ((Fraction(2, 10**41), 0.0), (Fraction(5, 10**39), 5e-39)):
         there, back = geometry.translation((0, Fraction(3, 10), 0)), Fraction(-3, 10) + rest
         assert (there @ geometry.translation((0, back, 0))).rounded()[1, 3] == left
+
+
+def test_the_angle_of_a_direction_is_the_nearest_double():
+    """libm's is not always; which of two doubles it gives depends on the processor."""
+    rng = random.Random(3)
+    before, flint.ctx.prec = flint.ctx.prec, 400
+    try:
+        for k in range(300):
+            y, x = (rng.gauss(0.0, 1.0) * 10.0 ** rng.uniform(-20.0, 20.0) for _ in range(2))
+            x = y * (1.0, -1.0, 1e-17, -1e17)[k // 5 % 4] if k % 5 == 0 else x
+            exact = flint.arb.atan2(flint.arb(y), flint.arb(x))
+            assert arctan2(y, x) == float(exact.mid().str(60, radius=False)), (y, x)
+    finally:
+        flint.ctx.prec = before
+    assert [arctan2(*at) for at in ((0.0, -1.0), (2.0, 0.0), (0.0, 0.0))] == [
+        math.pi, math.pi / 2, 0.0
+    ]  # fmt: skip

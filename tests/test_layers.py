@@ -48,6 +48,7 @@ LAYERS = {
     "options": 3,
     "parts": 3,
     "timor": 3,
+    "timor_joint": 3,
     "timor_reader": 3,
     "urdf": 3,
     "urdf_confirm": 3,

@@ -129,6 +129,157 @@ def test_limits_drive_and_friction_are_kept_and_noise_is_not(tmp_path: Path) -> 
     assert module.name == 'PB "21"'
 
 
+SPELT = {
+    "gearRatio": "gear_ratio", "motorInertia": "MOTOR_inertia",
+    "frictionCoulomb": "friction_coulomb",
+    "frictionViscous": "FRICTIONVISCOUS", "poseParent": "parent2joint", "poseChild": "Joint2Child",
+    "positionLower": "Lower", "positionUpper": "upper", "peakTorque": "torque_limit",
+    "velocity": "Velocity_Limit", "acceleration": "Acceleration",
+}  # fmt: skip
+
+
+def respelt(joint: dict[str, Any]) -> dict[str, Any]:
+    limits = {SPELT[key]: value for key, value in joint["limits"].items()}
+    return {SPELT.get(key, key): value for key, value in joint.items()} | {"limits": limits}
+
+
+def test_every_spelling_that_timor_reads_is_read(tmp_path: Path) -> None:
+    module = powerball()
+    other = module | {"joints": [respelt(joint) for joint in module["joints"]]}
+    moved = module | {"joints": [flat(joint) for joint in module["joints"]]}
+    expected = import_timor(database(tmp_path, module)).modules[0].text
+    assert "limits: {position: [-2.9671, 2.9671], velocity: 1.2566, torque: 75.504" in expected
+    for same in (other, moved):
+        result = import_timor(database(tmp_path, same))
+        assert result.left_out == ()
+        assert result.modules[0].text == expected
+
+
+def flat(joint: dict[str, Any]) -> dict[str, Any]:
+    """Timor looks for the limits but those of position in the joint itself too."""
+    limits = joint["limits"]
+    ends = {key: value for key, value in limits.items() if key.startswith("position")}
+    rest = {key: value for key, value in limits.items() if key not in ends}
+    return joint | rest | {"limits": ends}
+
+
+def test_the_figures_are_those_that_timor_computes_with(tmp_path: Path) -> None:
+    """Timor: k^2 I_m, and friction F_v dq + F_c sin(atan(100 dq))."""
+    module = powerball()
+    for joint in module["joints"]:
+        joint["gearRatio"] = -160.0
+    arm = mounted(tmp_path, import_timor(database(tmp_path, module, bent_link(), base())))
+    assert arm.coulomb_speed.tolist() == [0.01, 0.01]
+    for dq in (0.003, -0.02, 1.5):
+        state = [np.zeros(2), np.full(2, dq), np.zeros(2), np.ones(2)]
+        drives = mr.inverse_dynamics(arm, *state) - mr.inverse_dynamics(arm, *state, drives=False)
+        friction = 15.68 * dq + 7.14 * math.sin(math.atan(100.0 * dq))
+        np.testing.assert_allclose(drives, 160.0**2 * 5.23e-5 + friction, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "note"),
+    [
+        (
+            {"gearRatio": -160.0},
+            "joint axis-1: gear ratio -160.0 taken as 160.0: its sign is the direction of the "
+            "motor, and inertia goes with its square",
+        ),
+        (
+            {"gearRatio": 0.0},
+            "joint axis-1: a gear ratio of 0 reflects no rotor inertia; no drive taken",
+        ),
+        (
+            {"limits": {"positionLower": -1.5, "positionUpper": math.inf}},
+            "joint axis-1: a position limit on one side only, -1.5: left out, since a joint has "
+            "two limits or none; complete it",
+        ),
+        ({"limits": {"velocity": 0}}, "joint axis-1: velocity limit of 0 taken as not given"),
+    ],
+)
+def test_what_is_taken_otherwise_is_said(tmp_path: Path, change: Any, note: str) -> None:
+    module = powerball()
+    module["joints"][0] |= change
+    imported = import_timor(database(tmp_path, module)).modules[0]
+    assert note in imported.notes
+    assert load_module(write_modules(import_timor(tmp_path / "modules.json"), tmp_path / "out")[0])
+
+
+JOINT_FAULTS: dict[str, tuple[dict[str, Any], str]] = {
+    "a slip": (
+        {"gearRatoi": 160.0},
+        'modules[0].joints[0]: unknown key "gearRatoi"; did you mean "gearRatio"? Timor does not '
+        "read it, and it could be a drive, friction or a limit; correct or remove it",
+    ),
+    "another case of a key that Timor takes as written": (
+        {"Limits": {}},
+        'modules[0].joints[0]: unknown key "Limits"; did you mean "limits"? Timor does not read '
+        "it, and it could be a drive, friction or a limit; correct or remove it",
+    ),
+    "what Timor has no word for": (
+        {"springStiffness": 3.0},
+        'modules[0].joints[0]: unknown key "springStiffness"; Timor does not read it, and it could '
+        "be a drive, friction or a limit; correct or remove it",
+    ),
+    "a limit of another name": (
+        {"limits": {"maxVelocity": 3.0}},
+        'modules[0].joints[0].limits: unknown key "maxVelocity"; did you mean "velocity"? Timor '
+        "does not read it, and it could be a drive, friction or a limit; correct or remove it",
+    ),
+    "twice": (
+        {"gear_ratio": 100.0},
+        'modules[0].joints[0]: "gear_ratio" says gearRatio a second time; it is said once; remove '
+        "one",
+    ),
+    "passive in words": (
+        {"passive": "True"},
+        "modules[0].joints[0]: a passive revolute joint; joints are driven and one of revolute, "
+        "continuous, prismatic",
+    ),
+    "endless friction": (
+        {"frictionCoulomb": math.inf},
+        'joint axis 1.frictionCoulomb: "null" is not a finite number; correct it',
+    ),
+    "negative friction": (
+        {"frictionViscous": -1.0},
+        "modules[0]: no module of ours: joint axis-1, friction.viscous: -1 is negative; it is at "
+        "least 0; correct it",
+    ),
+    "reversed limits": (
+        {"limits": {"lower": 1.0, "upper": -1.0}},
+        "modules[0]: no module of ours: joint axis-1, limits.position: ",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", JOINT_FAULTS)
+def test_a_joint_that_is_not_understood_is_left_out_with_its_reason(
+    tmp_path: Path, fault: str
+) -> None:
+    change, reason = JOINT_FAULTS[fault]
+    module = powerball()
+    module["joints"][0] |= change
+    path = database(tmp_path, module, bent_link())
+    result = import_timor(path)
+    assert [module.id for module in result.modules] == ["bent-link"]
+    ((_, said),) = result.left_out
+    assert said.startswith(f"{path}:1: {reason}"), said
+
+
+def test_a_body_with_a_key_that_timor_refuses_is_left_out(tmp_path: Path) -> None:
+    link = bent_link()
+    link["bodies"][0]["com"] = [0.0, 0.0, 0.0]
+    result = import_timor(database(tmp_path, link))
+    assert 'unknown key "com"; did you mean "r_com"? Timor refuses it too' in result.left_out[0][1]
+
+
+@pytest.mark.parametrize("kind", ["revolute_active", "JointModelRZ"])
+def test_other_names_of_a_kind_of_joint_are_known(tmp_path: Path, kind: str) -> None:
+    module = powerball()
+    module["joints"][0]["type"] = kind
+    assert "type: revolute" in import_timor(database(tmp_path, module)).modules[0].text
+
+
 def test_infinite_limits_and_a_direct_drive_are_read(tmp_path: Path) -> None:
     module = powerball()
     module["joints"][0] |= {"gearRatio": 1.0, "motorInertia": 0.0}

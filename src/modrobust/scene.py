@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import sys
-import warnings
 from types import TracebackType
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -226,13 +225,11 @@ def offscreen(size: tuple[int, int]) -> Any:
     reasons = []
     for kind in kinds:
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of the window system; its failure is the reason
-                context: Any = engine(f"mujoco.{kind}", "video", "video").GLContext(*size)
-                context.make_current()
-                # Without a screen some contexts show only when used that they are none.
-                model = mujoco.MjModel.from_xml_string("<mujoco/>")
-                mujoco.MjrContext(model, _FONT).free()
+            context: Any = engine(f"mujoco.{kind}", "video", "video").GLContext(*size)
+            context.make_current()
+            # Without a screen some contexts show only when used that they are none.
+            model = mujoco.MjModel.from_xml_string("<mujoco/>")
+            mujoco.MjrContext(model, _FONT).free()
         except Exception as problem:  # libraries fail here in any way they like
             reasons.append(f"{kind}: {_reason(problem)}")
         else:

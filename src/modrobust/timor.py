@@ -27,24 +27,21 @@ from numpy.typing import NDArray
 
 from modrobust.errors import DescriptionError, FileError, ValueRangeError
 from modrobust.files import kind_of_path, reason, replacing
-from modrobust.formats import MapNode, Node
+from modrobust.formats import Node, read_module
 from modrobust.formats.inertia import positive_definite, steiner
 from modrobust.formats.json_reader import parse_json
 from modrobust.geometry import Transform, arctan2, rotation_x
 from modrobust.kernel import own_environment
 from modrobust.symmetric import eigenvalues
+from modrobust.timor_joint import Joint, joint_lines, read_joints
 from modrobust.timor_reader import (
-    EFFORT,
     Body,
     Connector,
-    Joint,
-    finite,
     member,
     members,
     optional_member,
     read_bodies,
     read_database,
-    read_joints,
     text_of,
     texts_of,
 )
@@ -198,7 +195,14 @@ def _module(
         lines += ["notes:", *(f"  - {_quoted(note)}" for note in notes)]
     lines += ["connectors:", *(line for key, c in ends for line in _connector(key, c))]
     lines += ["chain:", *chain]
-    return Imported(identity, "\n".join(lines) + "\n", tuple(notes))
+    text = "\n".join(lines) + "\n"
+    try:
+        read_module(text, f"{identity}.yaml")
+    except DescriptionError as problem:
+        raise node.where.error(
+            name, f"no module of ours: {problem.field}: {problem.message}"
+        ) from None
+    return Imported(identity, text, tuple(notes))
 
 
 Ends = tuple[str, Connector]
@@ -278,7 +282,7 @@ def _chain(
             )
         if joint is None:
             break
-        lines += _joint_lines(joint, _unique(joint.id, names))
+        lines += joint_lines(joint, _unique(joint.id, names), notes)
         frame = joint.to_child
     return lines or ["  - frame: span"]
 
@@ -324,35 +328,6 @@ def _body_lines(
         f"    com: [{', '.join(com)}]",
         f"    inertia: {{about: {about}, {entries}}}",
     ]
-
-
-def _joint_lines(joint: Joint, name: str) -> list[str]:
-    lines = [f"  - joint: {name}", f"    type: {joint.type}"]
-    limits = joint.fields.entries.get("limits")
-    said = limits.entries if isinstance(limits, MapNode) else {}
-    parts = []
-    lo, hi = (finite(said.get(key)) for key in ("positionLower", "positionUpper"))
-    if lo is not None and hi is not None and joint.type != "continuous":
-        parts.append(f"position: [{lo}, {hi}]")
-    keys = (("velocity", "velocity"), (EFFORT[joint.type], "peakTorque"))
-    for key, theirs in (*keys, ("acceleration", "acceleration")):
-        value = finite(said.get(theirs))
-        if value is not None and Fraction(value):
-            parts.append(f"{key}: {value}")
-    if parts:
-        lines.append(f"    limits: {{{', '.join(parts)}}}")
-    fields = joint.fields.entries
-    motor, gear = (finite(fields.get(key)) for key in ("motorInertia", "gearRatio"))
-    if motor is not None and Fraction(motor):
-        lines.append(f"    drive: {{gear_ratio: {gear or 1}, rotor_inertia: {motor}}}")
-    friction = [
-        f"{key}: {value}"
-        for key, theirs in (("viscous", "frictionViscous"), ("coulomb", "frictionCoulomb"))
-        if (value := finite(fields.get(theirs))) is not None and Fraction(value)
-    ]
-    if friction:
-        lines.append(f"    friction: {{{', '.join(friction)}}}")
-    return lines
 
 
 def _connector(key: str, connector: Connector) -> list[str]:

@@ -1,4 +1,4 @@
-"""Reading of Timor's ``modules.json``: bodies, connectors and joints as the database has them."""
+"""Reading of Timor's ``modules.json``: bodies and connectors as the database has them."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ import numpy as np
 from modrobust.errors import FileError
 from modrobust.files import kind_of_path, reason
 from modrobust.formats import ListNode, MapNode, Node, ScalarNode, Where
+from modrobust.formats.nodes import shown
 from modrobust.geometry import Transform, from_rows
+from modrobust.names import did_you_mean
 from modrobust.robot_checks import is_rotation
 
 MAX_BYTES = 1 << 20
+_BODY = ("ID", "mass", "r_com", "inertia", "connectors", "collision", "visual")
 LARGEST = 1e100  # of a mass, a length or an inertia: products of three stay finite
 _RIGID = 1e-6  # how far a rotation may be from orthonormal; databases have few digits
-EFFORT = {"revolute": "torque", "continuous": "torque", "prismatic": "force"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,17 +42,6 @@ class Connector:
     gender: str
     type: str
     size: str
-
-
-@dataclass(frozen=True, eq=False)
-class Joint:
-    id: str
-    parent: str
-    child: str
-    type: str
-    to_joint: Transform  # parent body to joint
-    to_child: Transform  # joint to child body
-    fields: MapNode
 
 
 def read_database(path: str | Path) -> str:
@@ -82,6 +73,13 @@ def read_bodies(node: Node, name: str) -> dict[str, Body]:
 
 
 def _body(node: Node, field: str) -> Body:
+    for key in node.entries if isinstance(node, MapNode) else ():
+        if key not in _BODY:
+            raise node.where.error(
+                field,
+                f"unknown key {shown(key)}; {did_you_mean(key, _BODY)}Timor refuses it too; "
+                "correct or remove it",
+            )
     com = _numbers(member(node, "r_com", field), 3, f"{field}.r_com")
     rows = [
         _numbers(row, 3, f"{field}.inertia")
@@ -90,7 +88,7 @@ def _body(node: Node, field: str) -> Body:
     if any(Fraction(rows[i][j]) != Fraction(rows[j][i]) for i, j in ((0, 1), (0, 2), (1, 2))):
         raise node.where.error(f"{field}.inertia", "the tensor is not symmetric; correct it")
     six = (rows[0][0], rows[0][1], rows[0][2], rows[1][1], rows[1][2], rows[2][2])
-    mass = _number(member(node, "mass", field), f"{field}.mass")
+    mass = number(member(node, "mass", field), f"{field}.mass")
     connectors = optional_member(node, "connectors")
     nodes = [] if connectors is None else members(connectors, f"{field}.connectors")
     return Body(
@@ -112,35 +110,11 @@ def _read_connector(node: Node, field: str) -> Connector:
         raise node.where.error(f"{field}.gender", f'"{gender}" is none of {", ".join(known)}')
     return Connector(
         text_of(node, "ID", field),
-        _pose(member(node, "pose", field), f"{field}.pose"),
+        read_pose(member(node, "pose", field), f"{field}.pose"),
         known[gender],
         text_of(node, "type", field),
         "x".join(texts_of(size)) if size is not None else "",
     )
-
-
-def read_joints(node: Node, name: str, bodies: dict[str, Body]) -> list[Joint]:
-    found = []
-    for index, entry in enumerate(members(member(node, "joints", name), f"{name}.joints")):
-        field = f"{name}.joints[{index}]"
-        ends = [text_of(entry, key, field) for key in ("parent", "child")]
-        for end in ends:
-            if end not in bodies:
-                raise entry.where.error(field, f'no body with the ID "{end}"; correct it')
-        kind = text_of(entry, "type", field)
-        passive = optional_member(entry, "passive")
-        if kind not in EFFORT or (isinstance(passive, ScalarNode) and passive.text == "true"):
-            raise entry.where.error(
-                field,
-                f"a {'passive ' if kind in EFFORT else ''}{kind} joint; joints are driven and "
-                f"one of {', '.join(EFFORT)}",
-            )
-        assert isinstance(entry, MapNode)
-        poses = [_pose(member(entry, key, field), field) for key in ("poseParent", "poseChild")]
-        found.append(
-            Joint(text_of(entry, "ID", field), ends[0], ends[1], kind, poses[0], poses[1], entry)
-        )
-    return found
 
 
 def member(node: Node, key: str, field: str) -> Node:
@@ -172,7 +146,7 @@ def texts_of(node: Node) -> list[str]:
     return [item.text for item in items if isinstance(item, ScalarNode)]
 
 
-def _number(node: Node, field: str) -> str:
+def number(node: Node, field: str) -> str:
     text = _decimal(node, field)
     if abs(Fraction(text)) > LARGEST:
         raise node.where.error(field, f'"{text[:60]}" is beyond {LARGEST:g}; correct it')
@@ -198,10 +172,10 @@ def finite(node: Node | None) -> str | None:
 
 
 def _numbers(node: Node, length: int, field: str) -> list[str]:
-    return [_number(item, field) for item in members(node, field, length)]
+    return [number(item, field) for item in members(node, field, length)]
 
 
-def _pose(node: Node, field: str) -> Transform:
+def read_pose(node: Node, field: str) -> Transform:
     rows = [_numbers(row, 4, field) for row in members(node, field, 4)]
     matrix = np.array(rows, dtype=np.float64)
     if not is_rotation(matrix[:3, :3], _RIGID) or not np.array_equal(

@@ -64,3 +64,43 @@ modrobust.cli.main()
         [sys.executable, "-c", loads], capture_output=True, text=True, check=False, timeout=60
     )
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+
+
+TURNED = "\u202e\u2066\u061c"  # right to left from here on
+TURNED_MODULE = f"""\
+modrobust: 1
+module: link
+name: A link {TURNED}dleiw
+source: made up {TURNED}
+notes: a remark {TURNED}
+connectors: {{in: {{type: "t{TURNED}"}}, out: {{type: "t{TURNED}"}}}}
+chain:
+  - joint: axis
+    type: revolute
+  - body: rod
+    mass: MASS
+    com: [0, 0, 0.1 m]
+    inertia: {{xx: 0.01, yy: 0.01, zz: 0.01}}
+"""
+
+
+@pytest.mark.parametrize("mass", ["1 kg", f"'1 k{TURNED}g'"])
+def test_no_text_of_a_file_turns_the_direction_of_what_is_printed(
+    run, tmp_path: Path, mass: str
+) -> None:
+    text = f"modrobust: 1\nrobot: arm\nsource: by {TURNED} me\nmodules: only\nchain: [link]\n"
+    (tmp_path / "link.yaml").write_text(TURNED_MODULE.replace("MASS", mass), encoding="utf-8")
+    (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
+    (tmp_path / "only").mkdir()
+    (tmp_path / "link.yaml").rename(tmp_path / "only" / "link.yaml")
+    for command in (
+        ("assemble", "arm.yaml"),
+        ("assemble", "arm.yaml", "--json"),
+        ("simulate", "arm.yaml", "--duration", "1ms"),
+        ("modules", "only"),
+    ):
+        result = run(*command)
+        said = result.stdout + result.stderr
+        assert said
+        assert "Traceback" not in said
+        assert not any(letter in said for letter in TURNED), command

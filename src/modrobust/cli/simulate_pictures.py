@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -25,6 +26,8 @@ View = Annotated[
 
 def check_pictures(video: Path | None, view: bool) -> None:
     """Refuse before the run what could not be shown after it."""
+    # Warnings of a window system that is tried and not there; its failure is told as a reason.
+    warnings.filterwarnings("ignore", r"\(\d+\) ", UserWarning)
     if video is not None:
         from modrobust.video import check_video
 

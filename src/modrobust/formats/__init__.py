@@ -21,7 +21,7 @@ from modrobust.formats.items import (
     Sines,
     Trajectory,
 )
-from modrobust.formats.module import ModuleFile, load_module
+from modrobust.formats.module import ModuleFile, load_module, read_module
 from modrobust.formats.naming import instance_names_of
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where
 from modrobust.formats.perjoint import PerJoint
@@ -56,6 +56,7 @@ __all__ = [
     "load_assembly",
     "load_module",
     "parse_quantity",
+    "read_module",
 ]
 
 

@@ -33,7 +33,7 @@ from modrobust.formats.naming import instance_names_of
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, shown
 from modrobust.formats.overrides import overridden
 from modrobust.formats.quantity import parse_angle, parse_point
-from modrobust.formats.reader import read_description
+from modrobust.formats.reader import parse_yaml, read_description
 from modrobust.formats.span import is_modified, span_matrix
 from modrobust.formats.tolerance import Tolerances
 from modrobust.kernel import own_environment
@@ -54,19 +54,25 @@ def load_module(path: str | Path, overrides: Mapping[str, Node] | None = None) -
     return ModuleFile(path).module(overrides)
 
 
+def read_module(text: str, name: str) -> Module:
+    """The module of a text that is to stand in a file of that name, see `load_module`."""
+    return ModuleFile(name, text).module()
+
+
 class ModuleFile:
     """A module file, read once, for a module that is mounted with and without ``set:``.
 
     Args:
         path: The module file.
+        text: What stands in it; None = it is read.
 
     Raises:
         FileError: The file cannot be read.
         DescriptionError: The structure of the file is at fault.
     """
 
-    def __init__(self, path: str | Path) -> None:
-        self._root = read_description(path)
+    def __init__(self, path: str | Path, text: str | None = None) -> None:
+        self._root = read_description(path) if text is None else parse_yaml(text, str(path))
         check_kind(self._root, "module", "robot", "an assembly file", "a module")
         self._model = check(ModuleModel, self._root, ModuleFields(self._root).name)
         check_stem(self._root.entries["module"], self._model.module, path, "module")
