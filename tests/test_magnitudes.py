@@ -108,7 +108,7 @@ def test_a_long_thin_link_is_spread_as_far_as_it_reaches(tmp_path: Path) -> None
 
 
 def test_a_link_reaches_from_its_own_joint_to_its_end(tmp_path: Path) -> None:
-    """The last link is 1.5 m long, its mass at its end, 0.42 m spread: no farther than it is long."""
+    """The last link is 1.5 m long, its mass at its end and spread by 0.42 m."""
     text = ARM.replace("0.02", "0.2").replace("0.03", "0.3").replace("0.01", "0.2")
     arm = mr.load_robot(written(tmp_path, text))
     after, placement = np.array(arm.after), np.array(arm.placement)
