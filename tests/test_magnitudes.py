@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import modrobust as mr
@@ -103,3 +105,14 @@ def test_a_long_thin_link_is_spread_as_far_as_it_reaches(tmp_path: Path) -> None
         notes = mr.load_robot(written(tmp_path, text)).notes
         found = [note for note in [*notes, *said(tmp_path, text)] if "gyration" in note]
         assert len(set(found)) == remarks
+
+
+def test_a_link_reaches_from_its_own_joint_to_its_end(tmp_path: Path) -> None:
+    """The last link is 1.5 m long, its mass at its end and spread by 0.42 m."""
+    text = ARM.replace("0.02", "0.2").replace("0.03", "0.3").replace("0.01", "0.2")
+    arm = mr.load_robot(written(tmp_path, text))
+    after, placement = np.array(arm.after), np.array(arm.placement)
+    after[1, 2, 3], placement[1, 2, 3] = 1.5, -0.2
+    long = replace(arm, after=after, placement=placement)
+    told = [[n for n in report(r, poses=10).notes if n.startswith("body b")] for r in (arm, long)]
+    assert [len(notes) for notes in told] == [1, 0]

@@ -97,9 +97,7 @@ def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Table:
         worst = None if None in noisy else max(noisy)
         limit = figures["chattering_limit"]
         verdict = "beyond" if worst is None or worst > limit else "limit"
-        shown["chattering"] = (
-            f"{number(worst)} times that at 10 Hz over the last 5 s ({verdict} {limit:g})"
-        )
+        shown["chattering"] = f"{number(worst)} times that at 10 Hz, last 5 s ({verdict} {limit:g})"
     for key, text in shown.items():
         rows.add_row(words(key), text)
     return rows
