@@ -67,7 +67,9 @@ def test_a_module_is_resolved_to_si(load):
     ids=["modified", "pose", "giusti", "iit"],
 )  # fmt: skip
 def test_each_way_of_writing_a_span_gives_its_transform(load, span, matrix):
-    body = load(("dh: {convention: standard, a: 0.3 m, alpha: pi/2}", span)).items[1]
+    apart = "  - frame: apart\n    span: {xyz: [0, 0, 1 mm]}\n  - body: link"  # from the joint
+    old = "dh: {convention: standard, a: 0.3 m, alpha: pi/2}"
+    body = load((old, span), ("  - body: link", apart)).items[2]
     assert body.span.rounded() == pytest.approx(matrix, abs=1e-15)
 
 
