@@ -117,8 +117,8 @@ Made by `benchmarks/robots_table.py`, not by hand: {datetime.date.today():%d %B 
 The files are chosen by a rule: manipulators and upper bodies, on a fixed or a floating base (which
 is held still), as URDF, or as xacro that expands without a ROS installation. Variants of a robot
 that differ only in visuals or hands are left out, except a few of UR, Panda, iiwa and TALOS.
-Whatever of these has a mass matrix that is positive definite loads as it is, with some legged
-robots and hands; the rest is under "Refused". Dynamics agree with Pinocchio's to 1e-9
+Whatever of these has a mass matrix that is positive definite loads as it is, some legged robots and
+hands too; the rest is under "Refused". Dynamics agree with Pinocchio's to 1e-9
 (`tests/test_real_robots.py`).
 For the table each robot gets the same uncertainty and the same gains, none tuned to it:
 

@@ -125,6 +125,9 @@ def read(path: Path) -> dict[str, Any]:
     return loaded
 
 
+AHEAD = {"a", "alpha"}
+
+
 def chain_frames(path: Path, *builtin: Path) -> Frames:
     """Frames of an assembly of modules; `builtin` are further directories of modules."""
     robot = read(path)
@@ -171,7 +174,13 @@ def _mount(
             transform = None if kind == "joint" else span(entry.get("span"))
             if kind == "body":
                 kind = entry.get("expressed_in", "start")
+            row = entry.get("dh") if kind == "joint" else None
+            if row:  # modified: what stands before the joint, then what stands behind it
+                ahead = {"dh": {"convention": "modified"} | {k: row[k] for k in AHEAD & set(row)}}
+                steps.append(("frame", "", span(ahead)))
             steps.append((kind, name, transform))
+            if row:
+                steps.append(("frame", "", shift(0, 0, length(row.get("d", "0")))))
             continue
         name, count = entry.get("as", entry["module"]), 1
         while name in used:

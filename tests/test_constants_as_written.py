@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -34,6 +35,8 @@ SPANS = (
     "{giusti2015: {convention: iit, p: <l>, delta_in: <a>, a: <l>, alpha: <a>, n: <l>, "
     "delta_out: <a>}}",
 )
+CONSTANT = [span for span in SPANS if "modified" not in span]
+ROW = "{convention: modified, a: <l>, alpha: <a>, d: <l>}"
 
 
 @pytest.fixture(autouse=True)
@@ -70,13 +73,20 @@ class Texts:
 
     def chain(self, entries: int, names: str) -> list[str]:
         lines = []
+        kinds = CONSTANT  # behind a joint, and perhaps at the start
         for k in range(entries):
             kind = self.rng.choice(("joint", "body", "frame", "frame"))
             if kind == "joint":
                 lines += [f"  - joint: {names}{k}", "    type: revolute"]
                 lines += ["    drive: {gear_ratio: 1, rotor_inertia: 1}"]
+                if self.rng.random() < 0.4:
+                    lines += [f"    dh: {self.span((ROW,))}"]
+                kinds = CONSTANT
                 continue
-            lines += [f"  - {kind}: {names}{k}", f"    span: {self.span()}"]
+            span = self.span(kinds)
+            lines += [f"  - {kind}: {names}{k}", f"    span: {span}"]
+            if re.search("[1-9]|pi", span.partition(": ")[2]):  # not nothing
+                kinds = SPANS
             if kind == "body":
                 lines += [f"    expressed_in: {self.rng.choice(('start', 'end'))}", "    mass: 1"]
                 lines += ["    com: [0, 0, 0.1]", "    inertia: {xx: 1, yy: 1, zz: 1}"]

@@ -144,7 +144,9 @@ def test_sampled_points_keep_the_mass_matrix_positive_definite(tmp_path: Path, s
 
 
 def test_the_loop_tracks_within_its_bound(tmp_path: Path) -> None:
-    arm = mr.load_robot(puma(tmp_path, AS_WRITTEN, "tolerance: {com: 5 mm, inertia: 10%}"))
+    arm = mr.load_robot(
+        puma(tmp_path, AS_WRITTEN, "tolerance: {mass: 5%, com: 5 mm, inertia: 10%}")
+    )
     run = mr.simulate(arm, parameters="random", seed=1, duration=0.2)
     assert run.statistics is not None
     assert run.statistics.violations == 0

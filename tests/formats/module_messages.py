@@ -369,7 +369,7 @@ MODULE_CASES = [
     (
         "a mass of zero with a tensor",
         "mass: 2 kg",
-        "mass: 0 kg",
+        "mass: [0 kg, 0 kg]",
         (
             "arm.yaml:20: body link, inertia: not 0 for a body of 0 kg; what has no mass has no "
             "moment of inertia; give the mass, or write physical: as-written here if the figures "

@@ -14,7 +14,7 @@ from modrobust.formats import FrameItem, instance_names, load_module
 from modrobust.formats.exact import above, below
 from modrobust.formats.inertia import box_is_physical, largest_principal_moment
 from modrobust.formats.quantity import Quantity
-from modrobust.formats.reader import _parse_yaml
+from modrobust.formats.reader import parse_yaml
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def load(tmp_path, monkeypatch):
             assert old in text
             text = text.replace(old, new, 1)
         (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
-        nodes = _parse_yaml(overrides, "robot.yaml").entries if overrides else None
+        nodes = parse_yaml(overrides, "robot.yaml").entries if overrides else None
         return load_module("arm.yaml", nodes)
 
     return load_changed
@@ -67,7 +67,9 @@ def test_a_module_is_resolved_to_si(load):
     ids=["modified", "pose", "giusti", "iit"],
 )  # fmt: skip
 def test_each_way_of_writing_a_span_gives_its_transform(load, span, matrix):
-    body = load(("dh: {convention: standard, a: 0.3 m, alpha: pi/2}", span)).items[1]
+    apart = "  - frame: apart\n    span: {xyz: [0, 0, 1 mm]}\n  - body: link"  # from the joint
+    old = "dh: {convention: standard, a: 0.3 m, alpha: pi/2}"
+    body = load((old, span), ("  - body: link", apart)).items[2]
     assert body.span.rounded() == pytest.approx(matrix, abs=1e-15)
 
 

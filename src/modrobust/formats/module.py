@@ -197,7 +197,9 @@ def _item(entry: ChainEntry, field: str, tolerances: Tolerances, notes: list[str
 
 def _body(entry: BodyModel, tolerances: Tolerances, notes: list[str]) -> BodyItem:
     prefix = f"body {entry.body}, "
-    masses = read_masses(entry.mass, entry.com, prefix, tolerances)
+    masses = read_masses(
+        entry.mass, entry.com, prefix, tolerances, entry.inertia.physical is not None
+    )
     inertia, physical = read_inertia(entry.inertia, masses, prefix, tolerances)
     if not physical:
         notes.append(
