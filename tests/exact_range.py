@@ -105,7 +105,7 @@ def unit_torques(robot: Robot, state: Any, number: Number) -> Any:
         B, E, lever = before[i, :3, :3], after[i, :3, :3], before[i, :3, 3]
         a = a + cross(dw, lever) + cross(w, cross(w_a, lever))
         J, slide = array(np.eye(3)), array([0.0, 0.0, 0.0])
-        revolute = robot.joint_types[i] == "revolute"
+        revolute = robot.joint_types[i] != "prismatic"
         if revolute:
             s, c = number.sincos(q[i])
             J[0, 0], J[0, 1], J[1, 0], J[1, 1] = c, -s, s, c

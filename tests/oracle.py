@@ -102,7 +102,7 @@ def joint_transforms(robot: Robot, q: Any) -> list[tuple[Any, Any, Any, Any, Any
     out = []
     for i in range(robot.n):
         before, after = robot.before[i], robot.after[i]
-        turned = robot.joint_types[i] == "revolute"
+        turned = robot.joint_types[i] != "prismatic"
         slide = 0 * q[i] if turned else q[i]
         joint = turn_z(q[i] if turned else 0 * q[i])
         R = before[:3, :3] @ joint @ after[:3, :3]  # 6: (10)
@@ -136,7 +136,7 @@ def newton_euler(
         R, p, z, s, p_before = joints[i]
         R = R.T  # 7
         a_h = a[h] + cross(domega[h], p_before) + cross(omega[h], cross(omega_a[h], p_before))
-        if robot.joint_types[i] == "revolute":  # 12
+        if robot.joint_types[i] != "prismatic":  # 12
             omega[i] = R @ (omega[h] + dq[i] * s)  # 13
             omega_a[i] = R @ (omega_a[h] + dq_a[i] * s)  # 14
             domega[i] = R @ (domega[h] + ddq[i] * s + cross(omega_a[h], dq[i] * s))  # 15
@@ -168,7 +168,7 @@ def newton_euler(
             f[i] = f[i] + F  # 28
             torque[i] = torque[i] + times(R_b, moment) + cross(p_b, F)
         torque[i] = torque[i] + cross(p, f[i])  # 30
-        u[i] = dot(torque[i] if robot.joint_types[i] == "revolute" else f[i], z)  # 31 to 35
+        u[i] = dot(torque[i] if robot.joint_types[i] != "prismatic" else f[i], z)  # 31 to 35
         handed = times(R, f[i])
         h = robot.parents[i]
         f[h] = f[h] + handed
@@ -222,7 +222,7 @@ def link_frames(robot: Robot, q: Any) -> Any:
     frames = []
     for i in range(robot.n):
         joint = np.eye(4, dtype=np.result_type(q, float))
-        if robot.joint_types[i] == "revolute":
+        if robot.joint_types[i] != "prismatic":
             joint[:3, :3] = turn_z(q[i])
         else:
             joint[2, 3] = q[i]
