@@ -45,7 +45,7 @@ class Twin:
         ids = {-1: 0}
         for i in self.order:
             kind = robot.joint_types[i]
-            joint = pin.JointModelRZ() if kind == "revolute" else pin.JointModelPZ()
+            joint = pin.JointModelRZ() if kind != "prismatic" else pin.JointModelPZ()
             parent = int(robot.parents[i])
             T = robot.before[i] if parent < 0 else robot.after[parent] @ robot.before[i]
             ids[i] = self.model.addJoint(ids[parent], joint, se3(T), f"joint{i}")

@@ -38,7 +38,7 @@ def with_uncertainty(urdf: Path, folder: Path) -> mr.Robot:
         "joints": {
             joint: {
                 "drive": {
-                    "gear_ratio": "1" if kind == "revolute" else "1 rad/m",
+                    "gear_ratio": "1" if kind != "prismatic" else "1 rad/m",
                     "rotor_inertia": f"{REFLECTED} kg m^2",
                 }
             }
