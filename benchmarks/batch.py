@@ -12,10 +12,10 @@ from functools import partial
 from common import main
 
 import modrobust as mr
-from modrobust.peers.cases import random_states, uncertain_everywhere
-from modrobust.peers.native import Subject, measure
-from modrobust.peers.timing import Comparison, Timing, interleaved
-from modrobust.robot import Robot
+from modrobust.bench.peers.cases import random_states, uncertain_everywhere
+from modrobust.bench.peers.native import Subject, measure
+from modrobust.bench.peers.timing import Comparison, Timing, interleaved
+from modrobust.model import Robot
 
 STATES = 4_000
 THREADS = (1, 2)

@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import modrobust as mr
+from modrobust.bench.peers import PeerReport
+from modrobust.bench.peers.timing import Comparison
 from modrobust.cli.bench_peers import print_peers
 from modrobust.errors import MissingExtraError
-from modrobust.peers import PeerReport
-from modrobust.peers.timing import Comparison
-from modrobust.robot import Robot
+from modrobust.model import Robot
 
 
 def processor() -> str:

@@ -13,12 +13,10 @@ from dataclasses import replace
 import numpy as np
 from common import machine
 
-from modrobust.benchmark import SIZES, Growth, chain_times
+from modrobust.bench.benchmark import SIZES, Growth, chain_times
+from modrobust.bench.peers.cases import random_states
 from modrobust.control import RobustController
-from modrobust.parameters import Parameters
-from modrobust.peers.cases import random_states
-from modrobust.robot import Robot
-from modrobust.synthetic import synthetic_chain
+from modrobust.model import Parameters, Robot, synthetic_chain
 
 COMMANDS = 200
 ROUNDS = 25

@@ -26,12 +26,12 @@ import worst_case
 from common import announce, machine, markdown
 
 import modrobust as mr
-from modrobust.benchmark import PAPER_TIMES, replay
-from modrobust.metrics import time_statistics
-from modrobust.peers.compile import toolchain
-from modrobust.peers.native import pinocchio_cpp
-from modrobust.peers.python_calls import numpy_transcription, pinocchio_python
-from modrobust.peers.timing import Comparison
+from modrobust.bench.benchmark import PAPER_TIMES, replay
+from modrobust.bench.peers.compile import toolchain
+from modrobust.bench.peers.native import pinocchio_cpp
+from modrobust.bench.peers.python_calls import numpy_transcription, pinocchio_python
+from modrobust.bench.peers.timing import Comparison
+from modrobust.simulation.metrics import time_statistics
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "performance.md"
@@ -218,7 +218,7 @@ One call at a time through the public functions, argument checks included. Pinoc
 
 {compared({"from Python": pinocchio_python(robot)})}
 
-Algorithm 1 written line by line in NumPy (`tests/oracle.py`):
+Algorithm 1 written line by line in NumPy (`src/modrobust/reference.py`):
 
 {compared({"from Python": numpy_transcription(robot)})}
 

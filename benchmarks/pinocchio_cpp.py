@@ -12,7 +12,7 @@ from functools import partial
 
 from common import announce, main
 
-from modrobust.peers.native import pinocchio_cpp
+from modrobust.bench.peers.native import pinocchio_cpp
 
 if __name__ == "__main__":
     for flags in ("native", "shipped"):

@@ -5,7 +5,7 @@ python benchmarks/pinocchio_python.py [ROBOT ...]
 
 from common import main
 
-from modrobust.peers.python_calls import pinocchio_python
+from modrobust.bench.peers.python_calls import pinocchio_python
 
 if __name__ == "__main__":
     main("Pinocchio, Python", pinocchio_python)

@@ -18,7 +18,7 @@ import numpy as np
 
 import modrobust as mr
 from modrobust import _kernel
-from modrobust.trajectory import make_trajectory
+from modrobust.motion import make_trajectory
 
 STARTS = 30
 

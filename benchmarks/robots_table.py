@@ -3,7 +3,7 @@
     python benchmarks/robots_table.py [SECONDS]
 
 Takes about five minutes. The robots, and those that are refused, are listed in
-tests/test_real_robots.py; their uncertainty and the gains in tests/uncertain_robots.py.
+tests/assembly/urdf/test_real_robots.py; their uncertainty and the gains in tests/support/uncertain_robots.py.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
 from common import markdown, processor  # noqa: E402
+from test_real_robots import LOADED, REFUSED, located  # noqa: E402
 
 import modrobust as mr  # noqa: E402
-from modrobust.benchmark import random_tightness, replay  # noqa: E402
-from test_real_robots import LOADED, REFUSED, located  # noqa: E402
-from uncertain_robots import REFLECTED, SETTINGS, START, run, with_uncertainty  # noqa: E402
+from modrobust.bench.benchmark import random_tightness, replay  # noqa: E402
+from support.uncertain_robots import REFLECTED, SETTINGS, START, run, with_uncertainty  # noqa: E402
 
 PAGE = ROOT / "docs" / "robots.md"
 SECONDS = 3.0  # [s] of motion
@@ -119,7 +119,7 @@ is held still), as URDF, or as xacro that expands without a ROS installation. Va
 that differ only in visuals or hands are left out, except a few of UR, Panda, iiwa and TALOS.
 Whatever of these has a mass matrix that is positive definite loads as it is, some legged robots and
 hands too; the rest is under "Refused". Dynamics agree with Pinocchio's to 1e-9
-(`tests/test_real_robots.py`).
+(`tests/assembly/urdf/test_real_robots.py`).
 For the table each robot gets the same uncertainty and the same gains, none tuned to it:
 
 - 5 % on masses, inertias (of the largest principal moment), damping, friction and rotor inertia,

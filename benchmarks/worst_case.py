@@ -16,9 +16,9 @@ import numpy as np
 from common import machine
 
 import modrobust as mr
-from modrobust.peers.cases import COM, random_states, uncertain_everywhere
-from modrobust.peers.native import Array, Subject, measure
-from modrobust.robot import Robot
+from modrobust.bench.peers.cases import COM, random_states, uncertain_everywhere
+from modrobust.bench.peers.native import Array, Subject, measure
+from modrobust.model import Robot
 
 BOXES = (COM, 0.05, 0.5, 5.0, 50.0)  # half-width of every COM [m]
 SPEEDS = (0.0, 0.1, 1.0, 10.0, 100.0)  # [rad/s]

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import modrobust as mr
-from modrobust.trajectory import Quintic
+from modrobust.motion import Quintic
 
 robot = mr.load_robot("scara")
 start = np.zeros(robot.n)

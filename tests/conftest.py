@@ -3,7 +3,7 @@
 import pytest
 
 from modrobust.assembly import load_robot
-from small_modules import MODULES
+from support.small_modules import MODULES
 
 
 @pytest.fixture

@@ -260,7 +260,7 @@ def test_the_kernel_check_accepts_constants_comments_and_own_headers() -> None:
 def test_the_checks_find_a_climb_a_cycle_and_a_foreign_package() -> None:
     modules = {
         "": ast.parse(""),
-        "errors": ast.parse("from modrobust.robot import Robot"),
+        "errors": ast.parse("from modrobust.model.robot import Robot"),
         "robot": ast.parse("def f():\n    from .errors import ModrobustError"),
     }
     edges = internal_edges(modules)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
         perturbation_bounds,
     )
     from modrobust.errors import ModrobustError
-    from modrobust.robot import Parameters, Robot
+    from modrobust.model import Parameters, Robot
     from modrobust.simulation import SimulationResult, simulate
 
 __all__ = [

@@ -24,12 +24,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
-from modrobust.arguments import as_number
-from modrobust.arrays import as_array, as_real
+from modrobust.checks import as_array, as_number, as_real, did_you_mean
 from modrobust.errors import ModrobustError, ShapeError, ValueRangeError
 from modrobust.kernel import METHODS, own_environment, status_error
-from modrobust.names import did_you_mean
-from modrobust.robot import ControllerSettings, Robot, check_robot
+from modrobust.model import ControllerSettings, Robot, check_robot
 
 Array = NDArray[np.float64]
 

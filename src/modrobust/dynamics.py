@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modrobust import _kernel
-from modrobust.arguments import as_integer, as_truth
-from modrobust.arrays import as_array, as_real
+from modrobust.checks import as_array, as_integer, as_real, as_truth
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import method_code, status_error
-from modrobust.robot import Parameters, Robot, check_robot
+from modrobust.model import Parameters, Robot, check_robot
 
 Array = NDArray[np.float64]
 

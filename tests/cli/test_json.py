@@ -12,14 +12,15 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import modrobust as mr
-from json_schemas import SCHEMAS, keys
-from modrobust.benchmark import benchmark
+from modrobust.bench import benchmark
+from modrobust.bench.peers import PeerReport
+from modrobust.bench.peers.timing import Comparison, Timing
 from modrobust.cli.output import words
-from modrobust.peers import PeerReport
-from modrobust.peers.timing import Comparison, Timing
-from urdf_texts import LIMIT, joint, link, robot, written
+from support.json_schemas import SCHEMAS, keys
+from support.paths import ROOT
+from support.urdf_texts import LIMIT, joint, link, robot, written
 
-PAGE = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
 SHORT = ("simulate", "lwa4p-paper", "--duration", "20ms")
 GRIPPER = robot(
     link("base", ""), link("a"), link("b"),

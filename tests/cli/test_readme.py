@@ -15,9 +15,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from command_line import EXECUTABLE, environment, run_in
 
-ROOT = Path(__file__).parents[2]
+from support.command_line import EXECUTABLE, environment, run_in
+from support.paths import ROOT
+
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 PYTHON = str(Path(EXECUTABLE).with_name("python")) if EXECUTABLE else sys.executable
 A_TIME = re.compile(r"\d (us|ms)\b")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from ball_comparison import Outcome
+
+from support.containment.ball_comparison import Outcome
 
 TOTAL = Outcome()
 

@@ -22,10 +22,9 @@ from typing import Any
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))  # shared helpers of the tests
 
-from ball_comparison import Outcome  # noqa: E402
-from containment_cases import run_seed  # noqa: E402
-
 import modrobust  # noqa: E402  (after the path)
+from support.containment.ball_comparison import Outcome  # noqa: E402
+from support.containment.containment_cases import run_seed  # noqa: E402
 
 BLOCK = 10  # seeds
 PLAIN = argparse.RawDescriptionHelpFormatter

@@ -7,14 +7,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from ball_comparison import Outcome, exact_torques
-from ball_dynamics import State, coefficients, from_doubles
 from flint import arb, ctx
-from written_robots import ball, exact_pose, nearest, nearest_matrix, random_written
 
-from modrobust.robot import Parameters, Robot
-from oracle import newton_euler
-from random_robots import random_robot, random_state, tied
+from modrobust.model import Parameters, Robot
+from modrobust.reference import newton_euler
+from support.containment.ball_comparison import Outcome, exact_torques
+from support.containment.ball_dynamics import State, coefficients, from_doubles
+from support.containment.written_robots import (
+    ball,
+    exact_pose,
+    nearest,
+    nearest_matrix,
+    random_written,
+)
+from support.random_robots import random_robot, random_state, tied
 
 
 @pytest.fixture(autouse=True)

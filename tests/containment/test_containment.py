@@ -9,12 +9,12 @@ from itertools import count
 
 import numpy as np
 import pytest
-from ball_comparison import Outcome, check_state
-from containment_cases import run_seed
-from extreme_states import Signals
-from kinds import LEAST
 
-from random_robots import point_robot, random_robot, random_state
+from support.containment.ball_comparison import Outcome, check_state
+from support.containment.containment_cases import run_seed
+from support.containment.extreme_states import Signals
+from support.containment.kinds import LEAST
+from support.random_robots import point_robot, random_robot, random_state
 
 PARTS = 20
 CASES = 5_000  # a part

@@ -6,12 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ball_comparison import check_state
-from extreme_states import Signals
 
 import modrobust as mr
+from support.containment.ball_comparison import check_state
+from support.containment.extreme_states import Signals
+from support.paths import ROOT
 
-FOLDER = Path(__file__).parents[2] / "assemblies"
+FOLDER = ROOT / "assemblies"
 ROBOTS = [
     path for path in sorted(FOLDER.glob("*.yaml")) if "\nurdf:" not in path.read_text("utf-8")
 ]

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from ball_comparison import Outcome, check_state
-from extreme_states import Signals
 from flint import arb, ctx
-from parameter_boxes import make_robot, skewed
-from written_robots import Written, random_written
 
 from modrobust.control import RobustController
-from modrobust.robot import Bounded, Robot
-from random_robots import point_robot, random_robot, random_state, tied
+from modrobust.model import Bounded, Robot
+from support.containment.ball_comparison import Outcome, check_state
+from support.containment.extreme_states import Signals
+from support.containment.parameter_boxes import make_robot, skewed
+from support.containment.written_robots import Written, random_written
+from support.random_robots import point_robot, random_robot, random_state, tied
 
 QUARTER = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # Rx(pi/2)
 

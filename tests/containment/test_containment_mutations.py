@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from containment_cases import run_seed
-from kernel_answers import Bound, Query, bounds_slack
 
 import modrobust as mr
-from modrobust.robot import Robot
-from oracle import box, newton_euler
-from random_robots import steiner
+from modrobust.model import Robot
+from modrobust.reference import box, newton_euler
+from support.containment.containment_cases import run_seed
+from support.containment.kernel_answers import Bound, Query, bounds_slack
+from support.random_robots import steiner
 
 SEEDS = range(40)
 

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ball_comparison import PRECISION, check_state, exact_errors
-from containment_cases import robot_of
-from extreme_states import Signals
 from flint import ctx
-from parameter_boxes import endless
 
-from modrobust.robot import Bounded, Robot
-from random_robots import random_robot
+from modrobust.model import Bounded, Robot
+from support.containment.ball_comparison import PRECISION, check_state, exact_errors
+from support.containment.containment_cases import robot_of
+from support.containment.extreme_states import Signals
+from support.containment.parameter_boxes import endless
+from support.random_robots import random_robot
 
 EXACTLY = 1e-20  # [rad]: what the nearest double of 2 pi would miss after 15,000 turns is 4e-12
 

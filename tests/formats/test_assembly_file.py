@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from format_samples import ASSEMBLY
 
-from float_transforms import from_xyz_rpy
 from modrobust.errors import DescriptionError
 from modrobust.formats import Csv, PerJoint, Quintic, Sines, instance_names, load_assembly
 from modrobust.formats.exact import above
 from modrobust.formats.naming import instance_names_of
 from modrobust.formats.reader import parse_yaml
+from support.float_transforms import from_xyz_rpy
+from support.formats.format_samples import ASSEMBLY
 
 JOINTS = ("arm.axis", "slide.axis")
 TYPES = ("revolute", "prismatic")

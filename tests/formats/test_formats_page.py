@@ -4,11 +4,12 @@ import re
 from pathlib import Path
 
 import pytest
-from format_samples import MODULE
 
 from modrobust.formats import JointItem, load_assembly, load_module
+from support.formats.format_samples import MODULE
+from support.paths import ROOT
 
-PAGE = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
 HEAD = MODULE[: MODULE.index("chain:")].replace("module: arm", "module: part")
 ROBOT = "modrobust: 1\nrobot: part\nchain: [elbow-60, {module: elbow-60, as: wrist}]\n"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import modrobust as mr
-from urdf_texts import two_links, written
+from support.urdf_texts import two_links, written
 
 
 def resolved(path: Path, **options: Any) -> dict[str, Any]:

@@ -4,17 +4,23 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from format_samples import MODULE
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from float_transforms import dh_modified, dh_standard, from_xyz_rpy, giusti2015, giusti2015_iit
 from modrobust.errors import DescriptionError
 from modrobust.formats import FrameItem, instance_names, load_module
 from modrobust.formats.exact import above, below
 from modrobust.formats.inertia import box_is_physical, largest_principal_moment
 from modrobust.formats.quantity import Quantity
 from modrobust.formats.reader import parse_yaml
+from support.float_transforms import (
+    dh_modified,
+    dh_standard,
+    from_xyz_rpy,
+    giusti2015,
+    giusti2015_iit,
+)
+from support.formats.format_samples import MODULE
 
 
 @pytest.fixture

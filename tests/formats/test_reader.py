@@ -3,7 +3,6 @@
 import json
 
 import pytest
-from format_samples import MODULE
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -12,6 +11,7 @@ from modrobust.formats import load_module
 from modrobust.formats.json_reader import parse_json
 from modrobust.formats.nodes import ListNode, MapNode, ScalarNode
 from modrobust.formats.reader import parse_yaml, read_description
+from support.formats.format_samples import MODULE
 
 TOP = 'a description is a mapping that starts with "modrobust: 1"; see docs/formats.md'
 

@@ -1,16 +1,14 @@
 """The JSON Schema that editors get: valid itself, accepts our files, refuses misspelt keys."""
 
-from pathlib import Path
-
 import pytest
-from format_samples import ASSEMBLY, MODULE
 from jsonschema import Draft202012Validator
 
 from modrobust.formats import json_schema
 from modrobust.formats.nodes import ListNode, ScalarNode
 from modrobust.formats.reader import parse_yaml, read_description
+from support.formats.format_samples import ASSEMBLY, MODULE
+from support.paths import ROOT
 
-ROOT = Path(__file__).parents[2]
 FILES = {
     "module": sorted((ROOT / "modules").glob("*.yaml")),
     "assembly": sorted((ROOT / "assemblies").glob("*.yaml")),

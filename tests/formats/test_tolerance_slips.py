@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import modrobust as mr
-from urdf_texts import two_links, written
+from support.urdf_texts import two_links, written
 
 
 @pytest.mark.parametrize(

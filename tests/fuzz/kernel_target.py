@@ -14,7 +14,7 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "kernel"))
 
-from native import FOLDER, compile_objects, compiler  # noqa: E402
+from support.kernel.native import FOLDER, compile_objects, compiler  # noqa: E402
 
 FLAGS = [
     "-O1",
@@ -41,7 +41,7 @@ def build(folder: Path) -> Path:
 
 
 def main(folder: Path, options: list[str]) -> int:
-    from kernel_seeds import write_seeds
+    from support.fuzz.kernel_seeds import write_seeds
 
     folder.mkdir(parents=True, exist_ok=True)
     write_seeds(folder / "seeds")

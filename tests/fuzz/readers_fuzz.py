@@ -25,15 +25,15 @@ from types import CodeType, FrameType
 from typing import Any
 
 import numpy as np
-from reader_mutations import mutated
-from reader_seeds import write_seeds
 
 import modrobust as mr
-from modrobust.catalogue import data_directory
+from modrobust.assembly.modules.catalogue import data_directory
 from modrobust.dynamics import inverse_dynamics_bounds
 from modrobust.formats import load_module, parse_quantity
+from modrobust.motion import read_trajectory_csv
 from modrobust.timor import import_timor
-from modrobust.trajectory_file import read_trajectory_csv
+from support.fuzz.reader_mutations import mutated
+from support.fuzz.reader_seeds import write_seeds
 
 SOURCES = str(Path(mr.__file__).parent)
 DIMENSIONS = ("mass", "length", "angle", "inertia", "torque")

@@ -6,9 +6,10 @@ import os
 import subprocess
 from pathlib import Path
 
-import kernel_target
 import pytest
-from kernel_seeds import write_seeds
+
+from fuzz import kernel_target
+from support.fuzz.kernel_seeds import write_seeds
 
 SECONDS = 8
 

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 import readers_fuzz
-from reader_seeds import TIMOR
+
+from support.fuzz.reader_seeds import TIMOR
 
 HERE = Path(__file__).parent
 SECONDS = 15

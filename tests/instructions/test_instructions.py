@@ -7,7 +7,8 @@ import platform
 import shutil
 
 import pytest
-from instruction_counts import CASES, STORED, count_all, gcc_version
+
+from instructions.instruction_counts import CASES, STORED, count_all, gcc_version
 
 MARGIN = 0.05
 UPDATE = (

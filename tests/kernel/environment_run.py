@@ -14,8 +14,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from kernel_cases import beyond_native, by_extension, differences, outcome
-from python_cases import from_python
+from support.kernel.kernel_cases import beyond_native, by_extension, differences, outcome
+from support.kernel.python_cases import from_python
 
 
 def main(library: str, kind: str, folder: str) -> None:

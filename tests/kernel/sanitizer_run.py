@@ -9,8 +9,9 @@ import ctypes
 import sys
 
 import numpy as np
-from kernel_cases import by_native, robots, states
-from native import Memory, Native, sincos
+
+from support.kernel.kernel_cases import by_native, robots, states
+from support.kernel.native import Memory, Native, sincos
 
 
 def main(path: str) -> None:

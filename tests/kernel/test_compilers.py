@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from kernel_cases import State, by_extension, by_native, differences, robots, states
-from native import METHODS, Memory, Native, build, sincos
 
 from modrobust import _kernel
-from modrobust.robot import Robot
+from modrobust.model import Robot
+from support.kernel.kernel_cases import State, by_extension, by_native, differences, robots, states
+from support.kernel.native import METHODS, Memory, Native, build, sincos
 
 CASES = 120
 BUILDS = [

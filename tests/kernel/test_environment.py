@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from kernel_cases import beyond_native, by_extension, robots, states
-from native import compiler
-from python_cases import from_python
-
 from test_timor import base, bent_link, database, powerball
-from urdf_texts import two_links, written
+
+from support.kernel.kernel_cases import beyond_native, by_extension, robots, states
+from support.kernel.native import compiler
+from support.kernel.python_cases import from_python
+from support.urdf_texts import two_links, written
 
 HERE = Path(__file__).parent
 INSIDE = (

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from native import FLAGS, FOLDER, compiler
 
 from modrobust import _kernel
+from support.kernel.native import FLAGS, FOLDER, compiler
 
 Interval = tuple[float, float]
 Operate = Callable[..., Interval]

@@ -10,9 +10,9 @@ import pytest
 
 import modrobust as mr
 from modrobust import _kernel
-from modrobust.robot import Robot
-from oracle import box, mass_matrix, newton_euler
-from random_robots import random_robot
+from modrobust.model import Robot
+from modrobust.reference import box, mass_matrix, newton_euler
+from support.random_robots import random_robot
 
 GAINS = {"kappa_P": 2.0, "kappa_I": 100.0, "phi_P": 1.0, "phi_I": 200.0, "epsilon": 0.0937}
 TICKS, DT, SUBSTEPS = 40, 3e-4, 2

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from native import FLAGS, FOLDER, Memory, Native, build, compile_objects, compiler
 
-from modrobust.synthetic import synthetic_chain
+from modrobust.model import synthetic_chain
+from support.kernel.native import FLAGS, FOLDER, Memory, Native, build, compile_objects, compiler
 
 SOURCES = sorted(FOLDER.glob("*.c"))
 SIZES = ("folded", "prepared", "workspace", "batch_workspace")

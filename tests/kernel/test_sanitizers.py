@@ -11,7 +11,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from native import build, compile_objects, compiler
+
+from support.kernel.native import build, compile_objects, compiler
 
 HERE = Path(__file__).parent
 FLAGS = [
@@ -22,7 +23,7 @@ FLAGS = [
 ]
 OVERRUN = """
 import ctypes, sys
-from native import Memory
+from support.kernel.native import Memory
 with Memory() as m:
     function = ctypes.CDLL(sys.argv[1]).mr_sum_and_one_more
     function(m.doubles([1.0, 2.0]), 2)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from flint import arb, ctx
 
 from modrobust import _kernel
+from support.paths import ROOT
 
 WORST, ULPS = 39027.220137382596, 0.807  # [rad]; the largest error seen, in its cosine
 
@@ -43,7 +43,7 @@ def test_sine_and_cosine_are_within_a_stated_number_of_ulps() -> None:
 def test_the_largest_error_that_was_seen_is_the_one_that_the_pages_say() -> None:
     error = abs(float(arb(_kernel.sincos(WORST)[1]) - arb(WORST).cos()))
     assert error == pytest.approx(ULPS * math.ulp(1.0) / 2.0, rel=1e-3)
-    page = (Path(__file__).parents[2] / "docs" / "guarantees.md").read_text()
+    page = (ROOT / "docs" / "guarantees.md").read_text()
     assert f"{ULPS} units in the last place, in the cosine of {WORST}," in page
 
 

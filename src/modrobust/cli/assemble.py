@@ -73,8 +73,8 @@ def assemble(
     if json:
         print_json(loaded.to_dict())
     else:
+        from modrobust.assembly.summary import report
         from modrobust.cli.assemble_report import print_report
-        from modrobust.report import report
 
         print_report(loaded, report(loaded))
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 if TYPE_CHECKING:
-    from modrobust.robot import Robot
+    from modrobust.model import Robot
 
 Urdf = Annotated[Path | None, typer.Option(metavar="OUT.urdf", help="Write the robot as URDF.")]
 Mjcf = Annotated[
@@ -38,7 +38,7 @@ class Places:
         """Where to write what is to be at `path`; None where nothing is wanted."""
         if path is None:
             return None
-        from modrobust.files import replacing
+        from modrobust.checks import replacing
 
         place: AbstractContextManager[Path] = replacing(path, suffix, what)
         return self._stack.enter_context(place)
@@ -59,8 +59,8 @@ def export(
     if urdf is None and mjcf is None:
         return
     from modrobust.cli.output import note
-    from modrobust.describe.mjcf import mjcf_text
-    from modrobust.describe.urdf import urdf_text
+    from modrobust.export.mjcf import mjcf_text
+    from modrobust.export.urdf import urdf_text
     from modrobust.simulation import true_robot
 
     truth = true_robot(robot, which or "nominal", seed=seed)

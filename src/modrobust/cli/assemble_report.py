@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.tree import Tree
 
-    from modrobust.dh import DHTable
-    from modrobust.report import Masses, Report
-    from modrobust.robot import Array, ModuleNode, Robot
+    from modrobust.assembly.summary import Masses, Report
+    from modrobust.model import ModuleNode, Robot
+    from modrobust.model.dh import DHTable
+    from modrobust.model.robot import Array
 
 
 def print_report(robot: Robot, report: Report) -> None:
@@ -50,7 +51,7 @@ def print_report(robot: Robot, report: Report) -> None:
 
 def _mounting(robot: Robot) -> list[str]:
     """Where the base stands, where that is not the default, and which way it feels gravity."""
-    from modrobust.describe.orientation import roll_pitch_yaw
+    from modrobust.export.orientation import roll_pitch_yaw
 
     lines = []
     turned = robot.base[:3, :3].T @ robot.gravity

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from rich.table import Table
 
-    from modrobust.robot import Robot
+    from modrobust.model import Robot
 
 EXAMPLES = """\b
 Examples:
@@ -77,7 +77,8 @@ def bench(
     width of the bound by either method, and of the range that a search of the parameters finds.
     With --growth also the time against the number of joints.
     """
-    from modrobust.benchmark import SIZES, benchmark
+    from modrobust.bench import benchmark
+    from modrobust.bench.benchmark import SIZES
     from modrobust.cli.output import ProgressBar, note, print_json
 
     options = (base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
@@ -112,9 +113,9 @@ def bench(
 
 def compare(robots: list[Robot], json: bool) -> None:
     """Compare with the libraries that are installed; say which are not."""
+    from modrobust.bench.peers import compare_with_peers
     from modrobust.cli.bench_peers import print_peers
     from modrobust.cli.output import note, print_json
-    from modrobust.peers import compare_with_peers
 
     reports = []
     for item in robots:

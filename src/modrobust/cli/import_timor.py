@@ -36,8 +36,8 @@ def import_timor(
     """Write the modules of a Timor database as module files."""
     from modrobust.cli.output import note, print_json, show
     from modrobust.cli.wording import as_options
-    from modrobust.timor import import_timor as read
     from modrobust.timor import write_modules
+    from modrobust.timor.importer import import_timor as read
 
     result = read(file, inertia_about)
     paths = write_modules(result, output)

@@ -33,7 +33,7 @@ def modules(
     json: Json = False,
 ) -> None:
     """List the modules and what can be mounted on each."""
-    from modrobust.catalogue import catalogue, mates
+    from modrobust.assembly.modules.catalogue import catalogue, mates
     from modrobust.cli.output import print_json
 
     found = catalogue(directories or None)

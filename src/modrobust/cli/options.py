@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperCommand
 
 if TYPE_CHECKING:
-    from modrobust.robot import Robot
+    from modrobust.model import Robot
 
 RobotFile = Annotated[
     str,
@@ -121,8 +121,8 @@ def robot(
     Where nothing has a bound, this is said on stderr, unless the command shows it anyway.
     """
     from modrobust.assembly import load_robot
+    from modrobust.assembly.urdf.xml import SUFFIXES
     from modrobust.cli.wording import named_as_options
-    from modrobust.urdf_xml import SUFFIXES
 
     locked = _pairs(lock, "=", "--lock", "JOINT=VALUE", "finger_joint=0.02", "locked")
     arguments = _pairs(xacro, ":=", "--xacro", "NAME:=VALUE", "prefix:=left_", "given")

@@ -91,7 +91,7 @@ def microseconds(value: float | None) -> str:
 
 def times(measured: Mapping[str, Mapping[str, float | None]], robot: str) -> Table:
     """Table of times per command; under those of the paper's robot, the paper's own."""
-    from modrobust.benchmark import PAPER_ROBOT, PAPER_TIMES
+    from modrobust.bench.benchmark import PAPER_ROBOT, PAPER_TIMES
 
     statistics = ("mean", "max", "std", "p50", "p99")
     rows = table("", *statistics)

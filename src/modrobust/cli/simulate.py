@@ -116,8 +116,8 @@ def simulate(
     from modrobust.cli.simulate_start import Start
     from modrobust.cli.wording import named_as_options
     from modrobust.errors import ValueRangeError, visible
-    from modrobust.result import check_writable
-    from modrobust.simulation import simulate as run
+    from modrobust.simulation.result import check_writable
+    from modrobust.simulation.run import simulate as run
 
     if scenario is not None and seed is not None:
         raise ValueRangeError(

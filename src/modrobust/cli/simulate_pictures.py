@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 if TYPE_CHECKING:
-    from modrobust.result import SimulationResult
-    from modrobust.robot import Robot
+    from modrobust.model import Robot
+    from modrobust.simulation import SimulationResult
 
 Plant = Annotated[
     Literal["builtin", "mujoco", "pinocchio"],
@@ -29,12 +29,12 @@ def check_pictures(video: Path | None, view: bool) -> None:
     # Warnings of a window system that is tried and not there; its failure is told as a reason.
     warnings.filterwarnings("ignore", r"\(\d+\) ", UserWarning)
     if video is not None:
-        from modrobust.video import check_video
+        from modrobust.pictures.video import check_video
 
         check_video(video)
     if view:
         from modrobust.cli.wording import named_as_options
-        from modrobust.viewer import check_viewer
+        from modrobust.pictures.viewer import check_viewer
 
         with named_as_options(remedies=True):
             check_viewer()
@@ -43,7 +43,7 @@ def check_pictures(video: Path | None, view: bool) -> None:
 def check_shown(robot: Robot, video: Path | None, view: bool) -> None:
     """Refuse before the run a robot that MuJoCo, which draws it, does not take."""
     if video is not None or view:
-        from modrobust.describe.mjcf import refuse_unphysical
+        from modrobust.export.mjcf import refuse_unphysical
 
         refuse_unphysical(robot)
 
@@ -54,13 +54,13 @@ def show_pictures(result: SimulationResult, video: Path | None, view: bool) -> N
 
     try:
         if video is not None:
-            from modrobust.video import save_video
+            from modrobust.pictures.video import save_video
 
             with ProgressBar(f"Rendering {video.name}") as bar:
                 save_video(result, video, progress=bar)
         if view:
             from modrobust.cli.wording import named_as_options
-            from modrobust.viewer import view as play
+            from modrobust.pictures.viewer import view as play
 
             with named_as_options(remedies=True):
                 play(result)

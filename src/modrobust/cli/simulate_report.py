@@ -11,8 +11,8 @@ from modrobust.cli.verdict import print_verdict, truth
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from modrobust.result import SimulationResult
-    from modrobust.robot import Robot
+    from modrobust.model import Robot
+    from modrobust.simulation import SimulationResult
 
 _PER_JOINT = ("tau_max", "tau_limit", "width_hull", "width_ianea", "ianea_over_hull")
 

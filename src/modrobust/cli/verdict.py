@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from modrobust.cli.output import show
 
 if TYPE_CHECKING:
-    from modrobust.robot import Robot
+    from modrobust.model import Robot
 
 GOOD, BAD, NEITHER = "Good", "Not good", "exact"
 SHOWN = "bound kept, error within epsilon for good, torques within limits"

@@ -40,8 +40,8 @@ from modrobust.formats.quantity import Quantity, parse_point, parse_vector
 from modrobust.formats.reader import read_description
 from modrobust.formats.span import points, pose_matrix
 from modrobust.formats.tolerance import Tolerances
-from modrobust.geometry import IDENTITY
 from modrobust.kernel import own_environment
+from modrobust.model.geometry import IDENTITY
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 _URDF_KEYS = (

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from modrobust.geometry import PI_DIGITS
+from modrobust.model.geometry import PI_DIGITS
 
 PI_LO = Fraction(PI_DIGITS)  # truncated, so that it lies below pi
 PI_HI = PI_LO + Fraction(1, 10**100)

@@ -22,10 +22,10 @@ from pydantic import (
 )
 from pydantic_core import InitErrorDetails, PydanticCustomError, core_schema
 
+from modrobust.checks import did_you_mean
 from modrobust.formats.faults import Faults
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, kind_of, shown
 from modrobust.formats.structure import unknown_key
-from modrobust.names import did_you_mean
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,99}")
 

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from modrobust.formats.exact import Enclosure, nearest
 from modrobust.formats.nodes import Where
 from modrobust.formats.quantity import Quantity, Written
-from modrobust.physical import TRIANGLE as _TRIANGLE
-from modrobust.symmetric import eigenvalues, largest_eigenvalue
+from modrobust.model.physical import TRIANGLE as _TRIANGLE
+from modrobust.model.symmetric import eigenvalues, largest_eigenvalue
 
 ENTRIES = ("xx", "xy", "xz", "yy", "yz", "zz")
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))

@@ -16,7 +16,7 @@ from modrobust.formats.nodes import Node, Where
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.perjoint import PerJoint
 from modrobust.formats.quantity import Quantity
-from modrobust.geometry import IDENTITY, Transform
+from modrobust.model.geometry import IDENTITY, Transform
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from modrobust.formats.items import BodyItem, FrameItem, Item, JointItem
-from modrobust.geometry import IDENTITY
+from modrobust.model.geometry import IDENTITY
 
 
 class BehindJoint:

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
+from modrobust.checks import did_you_mean
 from modrobust.formats.fields import (
     Anything,
     Flag,
@@ -34,7 +35,6 @@ from modrobust.formats.part_models import (
     LinkOverlay,
     ToleranceModel,
 )
-from modrobust.names import did_you_mean
 
 ENTRY_KINDS = ("joint", "body", "frame", "module")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from modrobust.checks import did_you_mean
 from modrobust.formats.models import (
     BodyModel,
     ChainEntry,
@@ -15,7 +16,6 @@ from modrobust.formats.models import (
 )
 from modrobust.formats.naming import instance_names_of
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, kind_of, shown
-from modrobust.names import did_you_mean
 
 _SETTABLE: dict[type, tuple[str, ...]] = {
     JointModel: ("limits", "drive", "friction", "dh"),

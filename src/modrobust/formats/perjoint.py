@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from modrobust.checks import did_you_mean
 from modrobust.formats.nodes import ListNode, MapNode, Node, shown
 from modrobust.formats.quantity import Quantity, parse_quantity
-from modrobust.names import did_you_mean
 
 # What a kind measures for (revolute, prismatic) joints.
 _DIMENSIONS = {

@@ -17,7 +17,7 @@ from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, 
 from modrobust.formats.number import NumberError, parse_number
 from modrobust.formats.structure import unknown_key
 from modrobust.formats.units import DIMENSIONS, Dimension
-from modrobust.geometry import MAX_ANGLE
+from modrobust.model.geometry import MAX_ANGLE
 
 _PLUS_MINUS = re.compile(r"±|\+/-|\+-")
 _BOUND_KEYS = ("nominal", "lo", "hi")

@@ -25,8 +25,8 @@ from ruamel.yaml.events import (
     SequenceStartEvent,
 )
 
+from modrobust.checks.files import kind_of_path
 from modrobust.errors import DescriptionError, FileError
-from modrobust.files import kind_of_path
 from modrobust.formats.json_reader import parse_json
 from modrobust.formats.nodes import MapNode, Where
 from modrobust.formats.tree import TreeBuilder

@@ -7,7 +7,7 @@ from fractions import Fraction
 from modrobust.formats.models import DhModel, Giusti2015Model, JointDhModel, SpanModel
 from modrobust.formats.nodes import ListNode, Node, kind_of
 from modrobust.formats.quantity import parse_angle, parse_exact
-from modrobust.geometry import (
+from modrobust.model.geometry import (
     IDENTITY,
     Transform,
     dh_modified,

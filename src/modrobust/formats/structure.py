@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from modrobust.checks import did_you_mean
 from modrobust.formats.nodes import shown
-from modrobust.names import did_you_mean
 
 
 def unknown_key(key: str, known: Iterable[str]) -> str:

@@ -1,0 +1,1 @@
+"""Module files put together: the catalogue, connector compatibility, mounting along a chain."""

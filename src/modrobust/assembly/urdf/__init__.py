@@ -1,0 +1,1 @@
+"""URDF files: read strictly, reduced to a tree of joints and bodies, held against yourdfpy."""

@@ -1,0 +1,21 @@
+"""The robot as frozen arrays, the box of its parameters and points of that box.
+
+Rigid transforms and D-H tables are here too; files become a `Robot` in `modrobust.assembly`.
+"""
+
+from modrobust.model.parameters import Bounded, Parameters
+from modrobust.model.parts import ControllerSettings, Followers, ModuleNode, TrajectorySettings
+from modrobust.model.robot import Robot, check_robot
+from modrobust.model.synthetic import synthetic_chain
+
+__all__ = [
+    "Bounded",
+    "ControllerSettings",
+    "Followers",
+    "ModuleNode",
+    "Parameters",
+    "Robot",
+    "TrajectorySettings",
+    "check_robot",
+    "synthetic_chain",
+]

@@ -1,0 +1,123 @@
+"""Checks of a robot's arrays: shapes, tree, rigid transforms, order of bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.model.parts import Followers
+from modrobust.model.physical import ABOUT_COM, ABOUT_FRAME
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+_RIGID = 1e-9  # how far a rotation matrix may be from orthonormal; URDF angles have few digits
+
+
+def check_lengths(arrays: Mapping[str, tuple[Array | Ints, tuple[int, ...]]], owner: str) -> None:
+    """Refuses an array whose shape is not the one beside it; infinite limits are allowed."""
+    for name, (array, shape) in arrays.items():
+        if array.shape != shape:
+            raise ShapeError(f"{name}: expected shape {shape}, got {array.shape}; {owner}")
+        if np.isnan(array).any() or (np.isinf(array).any() and not name.endswith("_limits")):
+            raise ValueRangeError(f"{name}: every entry must be finite")
+
+
+def check_tree(
+    joint_types: Sequence[str], parents: Ints, body_joints: Ints, followers: Followers, n: int
+) -> None:
+    """Refuses unknown joint types and indices that lead nowhere; parents come before children."""
+    j = len(joint_types)
+    for i, kind in enumerate(joint_types):
+        if kind not in ("revolute", "continuous", "prismatic"):
+            raise ValueRangeError(
+                f'joint_types[{i}] is "{kind}"; known: revolute, continuous, prismatic'
+            )
+    for name, index, first, last, rule in (
+        ("parents", parents, -1, np.arange(j) - 1, "a joint before its child, or -1, the base"),
+        ("body_joints", body_joints, -1, j - 1, "a joint, or -1, the base"),
+        ("followers.leaders", followers.leaders, 0, n - 1, "a joint that moves freely"),
+        ("followers.joints", followers.joints, 0, j - 1, "a joint"),
+    ):
+        for k in np.flatnonzero((index < first) | (index > last))[:1]:
+            raise ValueRangeError(f"{name}[{k}] is {index[k]}; it must be {rule}")
+    for k in np.flatnonzero(np.diff(followers.joints) <= 0)[:1]:
+        raise ValueRangeError(
+            f"followers.joints[{k + 1}] is {followers.joints[k + 1]} after {followers.joints[k]}; "
+            "the indices ascend, each joint once"
+        )
+
+
+def check_endless(names: Sequence[str], joint_types: Sequence[str], limits: Array) -> None:
+    """Refuses position limits (n, 2) of a continuous joint, whose error wraps across them."""
+    for name, kind, (lo, hi) in zip(names, joint_types, limits, strict=False):
+        if kind == "continuous" and (np.isfinite(lo) or np.isfinite(hi)):
+            raise ValueRangeError(
+                f'position_limits: joint "{name}" is continuous and has [{lo:g}, {hi:g}]; a '
+                "continuous joint has none; make it revolute, or leave them out"
+            )
+
+
+def check_abouts(abouts: Sequence[str], b: int, owner: str) -> None:
+    """Refuses reference points of tensors that are not one for each body, or unknown."""
+    if len(abouts) != b:
+        raise ShapeError(f"inertia_about: expected {b} entries, got {len(abouts)}; {owner}")
+    for k, about in enumerate(abouts):
+        if about not in (ABOUT_COM, ABOUT_FRAME):
+            raise ValueRangeError(
+                f'inertia_about[{k}] is "{about}"; known: {ABOUT_COM}, {ABOUT_FRAME}'
+            )
+
+
+def check_rigid(name: str, transforms: Array) -> None:
+    """Refuses a 4x4 that is not a rigid transform, to 1e-9."""
+    T = transforms.reshape(-1, 4, 4)
+    R = T[:, :3, :3]
+    rigid = is_rotation(R, _RIGID) & (T[:, 3] == [0, 0, 0, 1]).all(axis=1)
+    for k in np.flatnonzero(~rigid)[:1]:
+        raise ValueRangeError(
+            f"{name}[{k}] is not a rigid transform; its rotation must be orthonormal and "
+            "right-handed, its last row 0 0 0 1"
+        )
+
+
+def is_rotation(R: Array, tolerance: float) -> NDArray[np.bool_]:
+    """Which of the matrices ``(..., 3, 3)`` are right-handed with R R' - 1 within a tolerance.
+
+    Entry by entry: what BLAS answers at the edge depends on the processor.
+    """
+    x, y, z = (R[..., i, :] for i in range(3))
+    unit = [np.abs(_dot(row, row) - 1.0) for row in (x, y, z)]
+    across = [np.abs(_dot(one, other)) for one, other in ((x, y), (y, z), (z, x))]
+    normal = np.stack(
+        [x[..., i] * y[..., j] - x[..., j] * y[..., i] for i, j in ((1, 2), (2, 0), (0, 1))], -1
+    )
+    right: NDArray[np.bool_] = (np.max([*unit, *across], axis=0) <= tolerance) & (
+        _dot(normal, z) > 0.0
+    )
+    return right
+
+
+def _dot(x: Array, y: Array) -> Array:
+    a, b, c = (x[..., k] * y[..., k] for k in range(3))
+    result: Array = a + b + c
+    return result
+
+
+def check_box(name: str, lo: Array, nominal: Array, hi: Array, *, signed: bool) -> None:
+    """Refuses bounds that do not hold the nominal value, or are negative unless `signed`."""
+    if not lo.shape == nominal.shape == hi.shape:
+        raise ShapeError(
+            f"{name}: bounds of shape {lo.shape} and {hi.shape}; nominal has {nominal.shape}"
+        )
+    for where in map(tuple, np.argwhere(~((lo <= nominal) & (nominal <= hi)))[:1]):
+        index = "".join(f"[{k}]" for k in where)
+        raise ValueRangeError(
+            f"{name}{index}: nominal {nominal[where]} is outside its bounds "
+            f"[{lo[where]}, {hi[where]}]; widen them or correct it"
+        )
+    if not signed and (lo < 0.0).any():
+        raise ValueRangeError(f"{name}: the lower bound {lo.min()} is negative")

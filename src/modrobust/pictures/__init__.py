@@ -1,0 +1,1 @@
+"""Pictures of a run by MuJoCo: the scene, a video, a viewer."""

@@ -1,0 +1,22 @@
+"""The norm of rho against the largest norm of w: benchmarks/rho.py and docs/guarantees.md agree."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from support.paths import ROOT
+
+sys.path.insert(0, str(ROOT / "benchmarks"))
+
+import rho  # noqa: E402
+
+OVER = 1.01  # docs/guarantees.md, "How tight": 1.004 and 1.005 on average over 100 states
+
+
+@pytest.mark.parametrize("robot", [rho.paper_robot(), rho.uncertain_robot()], ids=["table", "all"])
+def test_the_norm_of_rho_is_hardly_more_than_the_largest_norm_of_w(robot: rho.mr.Robot) -> None:
+    ratio = rho.over_estimates(robot, 4)
+    assert (ratio >= 1.0).all()
+    assert ratio.max() <= OVER

@@ -1,0 +1,25 @@
+"""The motions of `modrobust.model.geometry` as arrays of doubles, for tests that compute in doubles."""
+
+from functools import wraps
+
+from modrobust.model import geometry
+
+
+def _rounded(motion):
+    @wraps(motion)
+    def make(*args, **kwargs):
+        return motion(*args, **kwargs).rounded()
+
+    return make
+
+
+dh_modified = _rounded(geometry.dh_modified)
+dh_standard = _rounded(geometry.dh_standard)
+from_xyz_rpy = _rounded(geometry.from_xyz_rpy)
+giusti2015 = _rounded(geometry.giusti2015)
+giusti2015_iit = _rounded(geometry.giusti2015_iit)
+rotation_to = _rounded(geometry.rotation_to)
+rotation_x = _rounded(geometry.rotation_x)
+rotation_y = _rounded(geometry.rotation_y)
+rotation_z = _rounded(geometry.rotation_z)
+translation = _rounded(geometry.translation)
