@@ -3,7 +3,7 @@
     python benchmarks/robots_table.py [SECONDS]
 
 Takes about five minutes. The robots, and those that are refused, are listed in
-tests/assembly/urdf/test_real_robots.py; their uncertainty and the gains in tests/support/uncertain_robots.py.
+tests/support/real_robots.py; their uncertainty and the gains in tests/support/uncertain_robots.py.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
 from common import markdown, processor  # noqa: E402
-from test_real_robots import LOADED, REFUSED, located  # noqa: E402
 
 import modrobust as mr  # noqa: E402
 from modrobust.bench.benchmark import random_tightness, replay  # noqa: E402
+from support.real_robots import LOADED, REFUSED, located  # noqa: E402
 from support.uncertain_robots import REFLECTED, SETTINGS, START, run, with_uncertainty  # noqa: E402
 
 PAGE = ROOT / "docs" / "robots.md"

@@ -50,8 +50,8 @@ __all__ = [
 _HOMES = {
     "Command": "control",
     "ModrobustError": "errors",
-    "Parameters": "robot",
-    "Robot": "robot",
+    "Parameters": "model",
+    "Robot": "model",
     "RobustController": "control",
     "SimulationResult": "simulation",
     "load_robot": "assembly",

@@ -240,14 +240,6 @@ def test_missing_headers_are_named_with_the_extra(
         pinocchio_headers()
 
 
-def test_without_a_checkout_the_transcription_says_where_it_is(
-    arm: Robot, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr(python_calls, "ORACLE", tmp_path / "oracle.py")
-    with pytest.raises(MissingExtraError, match=r"tests/oracle\.py of modrobust's sources"):
-        numpy_transcription(arm)
-
-
 def test_a_report_keeps_what_is_there_and_names_what_is_not(
     arm: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:

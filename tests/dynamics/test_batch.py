@@ -16,6 +16,7 @@ import modrobust as mr
 from modrobust import _kernel
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.model import Robot
+from support.paths import ROOT
 from support.random_robots import random_robot, tied
 
 METHODS = ["hull", "ianea"]
@@ -211,7 +212,7 @@ import resource, sys
 import numpy as np
 import modrobust as mr
 from support.random_robots import random_robot
-from test_batch import states
+from dynamics.test_batch import states
 
 robot = random_robot(np.random.default_rng(5), 6)
 rows = states(np.random.default_rng(6), 500, 6)
@@ -229,7 +230,7 @@ assert np.array(found).tobytes() == np.array(expected).tobytes()
 def test_where_no_thread_starts_the_calling_thread_does_its_part() -> None:
     run = subprocess.run(
         [sys.executable, "-c", WITHOUT_THREADS],
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parent)},
+        env={**os.environ, "PYTHONPATH": str(ROOT / "tests")},
         capture_output=True,
         text=True,
     )

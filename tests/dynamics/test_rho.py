@@ -10,7 +10,7 @@ from support.paths import ROOT
 
 sys.path.insert(0, str(ROOT / "benchmarks"))
 
-import rho  # noqa: E402
+import rho
 
 OVER = 1.01  # docs/guarantees.md, "How tight": 1.004 and 1.005 on average over 100 states
 

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "kernel"))
+sys.path.insert(0, str(HERE.parent))
 
 from support.kernel.native import FOLDER, compile_objects, compiler  # noqa: E402
 

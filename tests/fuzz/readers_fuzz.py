@@ -26,6 +26,8 @@ from typing import Any
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
 import modrobust as mr
 from modrobust.assembly.modules.catalogue import data_directory
 from modrobust.dynamics import inverse_dynamics_bounds

@@ -10,8 +10,8 @@ import warnings
 from pathlib import Path
 
 import pytest
-import readers_fuzz
 
+from fuzz import readers_fuzz
 from support.fuzz.reader_seeds import TIMOR
 
 HERE = Path(__file__).parent

@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_timor import base, bent_link, database, powerball
 
 from support.kernel.kernel_cases import beyond_native, by_extension, robots, states
 from support.kernel.native import compiler
 from support.kernel.python_cases import from_python
+from support.timor_databases import base, bent_link, database, powerball
 from support.urdf_texts import two_links, written
 
 HERE = Path(__file__).parent

@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_timor import base, bent_link, database, powerball
 
 import modrobust as mr
 from modrobust.motion.trajectory import paper_trajectory
 from modrobust.timor import import_timor
+from support.timor_databases import base, bent_link, database, powerball
 from support.urdf_texts import two_links, written
 
 PACKAGE = Path(mr.__file__).parent

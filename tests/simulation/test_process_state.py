@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_timor import database, powerball
 
 import modrobust as mr
 from modrobust import _kernel
@@ -24,6 +23,7 @@ from modrobust.export.mjcf import mjcf_text
 from modrobust.export.urdf import urdf_text
 from modrobust.simulation import simulate
 from modrobust.timor import import_timor, write_modules
+from support.timor_databases import database, powerball
 from support.urdf_texts import two_links, written
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from test_real_robots import LOADED, located
+from support.real_robots import LOADED, located
 
 from support.uncertain_robots import REFLECTED, SETTINGS, START, run, with_uncertainty
 

@@ -1,4 +1,4 @@
-"""The motions of `modrobust.model.geometry` as arrays of doubles, for tests that compute in doubles."""
+"""Motions of `modrobust.model.geometry` as arrays of doubles, for tests that compute so."""
 
 from functools import wraps
 

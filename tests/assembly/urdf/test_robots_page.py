@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from test_real_robots import LOADED, REFUSED
+from support.real_robots import LOADED, REFUSED
 
 from support.paths import ROOT
 

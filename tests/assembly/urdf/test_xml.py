@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import modrobust as mr
-from modrobust import urdf_xml
+from modrobust.assembly.urdf import xml as urdf_xml
 from modrobust.errors import InputError
 from support.urdf_texts import INERTIAL, joint, link, robot, two_links, written
 

@@ -21,7 +21,7 @@ def data_directory(kind: str) -> Path:
 
     In an installed package they lie in its ``data`` folder; in a checkout, at its top.
     """
-    package = Path(__file__).resolve().parent
+    package = Path(__file__).resolve().parents[2]
     installed = package / "data" / kind
     return installed if installed.is_dir() else package.parents[1] / kind
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from modrobust.errors import MissingExtraError, ModrobustError
 
 HERE = Path(__file__).parent
-KERNEL = HERE.parent / "kernel"
+KERNEL = HERE.parents[1] / "kernel"
 
 FLAGS = {
     "native": ("-O3", "-march=native"),

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -21,6 +18,7 @@ from modrobust.dynamics import inverse_dynamics, inverse_dynamics_bounds
 from modrobust.errors import MissingExtraError, ValueRangeError
 from modrobust.model import Robot
 from modrobust.model.physical import inertia_about_com
+from modrobust.reference import box, newton_euler
 
 Array = NDArray[np.float64]
 
@@ -28,7 +26,6 @@ ROUNDS = 15
 PINOCCHIO = "Pinocchio, pin.rnea"
 TRANSCRIPTION = "NumPy, NE*"
 INTERVALS = "NumPy, IANEA*"
-ORACLE = Path(__file__).parents[3] / "tests" / "oracle.py"
 
 
 def pinocchio_python(robot: Robot, states: int = 200) -> Comparison:
@@ -71,28 +68,26 @@ def pinocchio_python(robot: Robot, states: int = 200) -> Comparison:
 
 
 def numpy_transcription(robot: Robot, states: int = 10) -> Comparison:
-    """Our functions against Algorithm 1 written line by line in NumPy, src/modrobust/reference.py.
+    """Our functions against Algorithm 1 written line by line in NumPy, `modrobust.reference`.
 
     Raises:
-        MissingExtraError: There is no checkout of the sources around this package.
         ValueRangeError: The robot has joints that follow others, or the two do not agree.
     """
     require_comparable(robot)
-    oracle = load_oracle()
     s = random_states(robot, states)
     everywhere = uncertain_everywhere(robot)
-    box = oracle.box(everywhere)
+    boxes = box(everywhere)
 
     def line_by_line(parameters: Any) -> None:
         for q, dq, dq_a, a in zip(s.q, s.dq, s.dq_des, s.ddq_des, strict=True):
-            oracle.newton_euler(robot, parameters, q, dq, dq_a, a)
+            newton_euler(robot, parameters, q, dq, dq_a, a)
 
     def theirs(k: int) -> Any:
-        return oracle.newton_euler(robot, robot.nominal, s.q[k], s.dq[k], s.dq[k], s.ddq_des[k])
+        return newton_euler(robot, robot.nominal, s.q[k], s.dq[k], s.dq[k], s.ddq_des[k])
 
     subjects: dict[str, Callable[[], None]] = {
         TRANSCRIPTION: partial(line_by_line, robot.nominal),
-        INTERVALS: partial(line_by_line, box),
+        INTERVALS: partial(line_by_line, boxes),
         **_ours(robot, s),
     }
     return Comparison(
@@ -101,27 +96,6 @@ def numpy_transcription(robot: Robot, states: int = 10) -> Comparison:
         TRANSCRIPTION,
         _disagreement(robot, s, theirs),
     )
-
-
-def load_oracle() -> ModuleType:
-    """src/modrobust/reference.py of the checkout that this package lies in.
-
-    Raises:
-        MissingExtraError: There is none.
-    """
-    if not ORACLE.is_file():
-        raise MissingExtraError(
-            "comparison with NumPy: the transcription is src/modrobust/reference.py of modrobust's sources; "
-            "run this from a checkout, installed with pip install --editable ."
-        )
-    name = "modrobust_oracle"
-    if name not in sys.modules:
-        spec = importlib.util.spec_from_file_location(name, ORACLE)
-        assert spec is not None  # for a path that ends in .py
-        assert spec.loader is not None
-        sys.modules[name] = importlib.util.module_from_spec(spec)  # its dataclasses look there
-        spec.loader.exec_module(sys.modules[name])
-    return sys.modules[name]
 
 
 def _ours(robot: Robot, s: States) -> dict[str, Callable[[], None]]:
