@@ -1,4 +1,4 @@
-"""docs/robots.md, made by benchmarks/robots_table.py: its robots are those that load."""
+"""docs/measured/robots.md, made by benchmarks/robots_table.py: its robots are those that load."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from test_real_robots import LOADED, REFUSED
 
-PAGE = (Path(__file__).parents[1] / "docs" / "robots.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs" / "measured" / "robots.md").read_text(encoding="utf-8")
 
 
 def rows(part: str) -> list[list[str]]:

@@ -89,7 +89,7 @@ def dh_table(parents: Sequence[int] | NDArray[np.int32], before: Array, after: A
     Raises:
         ValueError: The joints do not form a serial chain.
 
-    Source: docs/equations.md; see the module's docstring for the construction.
+    Source: docs/theory/equations.md; see the module's docstring for the construction.
     """
     n = len(before)
     if [int(parent) for parent in parents] != list(range(-1, n - 1)):

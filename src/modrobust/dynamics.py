@@ -1,7 +1,7 @@
 """Torques, their guaranteed bounds, mass matrix and forward dynamics of a robot.
 
-Equation numbers are those of docs/equations.md. Shapes: n joints, b bodies; SI units, angles in
-radians; entries of prismatic joints in metres and newtons.
+Equation numbers are those of docs/theory/equations.md. Shapes: n joints, b bodies; SI units,
+angles in radians; entries of prismatic joints in metres and newtons.
 """
 
 from __future__ import annotations

@@ -11,7 +11,8 @@ Errors: with 60 digits those of a thousand products stay below 1e-50. What is le
 the lengths that were added, in a translation) is taken as the 0 that was meant. So the doubles of
 `Transform.rounded` are the nearest ones, but for cases closer than that to the middle of two.
 
-Source: conventions as in docs/formats.md; standard D-H is (10) and (11) of Giusti and Althoff 2017.
+Source: conventions as in docs/reference/formats.md; standard D-H is (10) and (11) of Giusti and
+Althoff 2017.
 """
 
 from __future__ import annotations

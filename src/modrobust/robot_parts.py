@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ControllerSettings:
-    """Gains of the robust control law; see docs/equations.md, (3) to (8).
+    """Gains of the robust control law; see docs/theory/equations.md, (3) to (8).
 
     K_r (n,) [1/s] positive; the others non-negative; epsilon [rad] or [m] positive.
     """
@@ -61,9 +61,9 @@ class ModuleNode:
 
 @dataclass(frozen=True, eq=False)
 class Followers:
-    """Joints that follow a free one, docs/equations.md (15): q = multiplier * q_leader + offset.
+    """Joints that follow a free one: q = multiplier * q_leader + offset.
 
-    They stand after the n free joints in every array of joint data; a vector of positions,
+    Equation (15) of docs/theory/equations.md. They stand after the n free joints in every array of joint data; a vector of positions,
     velocities or torques does not hold them.
     """
 

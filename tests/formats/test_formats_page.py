@@ -1,4 +1,4 @@
-"""Every YAML example of docs/formats.md is read as the page says."""
+"""Every YAML example of docs/reference/formats.md is read as the page says."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,7 @@ from format_samples import MODULE
 
 from modrobust.formats import JointItem, load_assembly, load_module
 
-PAGE = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "formats.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
 HEAD = MODULE[: MODULE.index("chain:")].replace("module: arm", "module: part")
 ROBOT = "modrobust: 1\nrobot: part\nchain: [elbow-60, {module: elbow-60, as: wrist}]\n"

@@ -12,7 +12,7 @@ from instruction_counts import CASES, STORED, count_all, gcc_version
 MARGIN = 0.05
 UPDATE = (
     "if that is meant, store the new counts: python tests/instructions/instruction_counts.py, and "
-    "commit tests/data/instruction_counts.json; docs/performance.md quotes them"
+    "commit tests/data/instruction_counts.json; docs/measured/performance.md quotes them"
 )
 
 
