@@ -139,7 +139,8 @@ does.
 
 Five of them are ready as `modrobust simulate NAME`, with bounds and gains of their own:
 `ur5`, `panda`, `iiwa`, `baxter`, `tiago` ([catalogue.md](../reference/catalogue.md)). Their
-files are in `assemblies/`; `pip install "modrobust[robots]"` brings the packages that hold the URDFs.
+files are in `assemblies/`; `pip install "modrobust[robots]"` brings the packages that hold the
+URDFs.
 
 ## Refused
 

@@ -63,8 +63,8 @@ class ModuleNode:
 class Followers:
     """Joints that follow a free one: q = multiplier * q_leader + offset.
 
-    Equation (15) of docs/theory/equations.md. They stand after the n free joints in every array of joint data; a vector of positions,
-    velocities or torques does not hold them.
+    Equation (15) of docs/theory/equations.md. They stand after the n free joints in
+    every array of joint data; a vector of positions, velocities or torques does not hold them.
     """
 
     names: tuple[str, ...] = ()

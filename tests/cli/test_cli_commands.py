@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import COMMAND, environment
+
+from support.command_line import COMMAND, environment
 
 SHORT = ("simulate", "lwa4p-paper", "--scenario", "1", "--duration", "20ms")
 

@@ -10,7 +10,8 @@ import os
 from pathlib import Path
 
 import pytest
-from command_line import COMMAND, EXECUTABLE, environment
+
+from support.command_line import COMMAND, EXECUTABLE, environment
 
 BARE = EXECUTABLE is not None  # an environment without extras
 PAYLOAD = ("simulate", "lwa4p-payload", "--control-rate", "3000", "--duration", "0.1 s")

@@ -17,7 +17,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import COMMAND, environment
+
+from support.command_line import COMMAND, environment
 
 
 def interrupted(folder: Path, *arguments: str, interrupt: bool = True) -> tuple[int, str, str]:

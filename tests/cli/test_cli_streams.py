@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from command_line import COMMAND, environment
+
+from support.command_line import COMMAND, environment
 
 FULL = Path("/dev/full")
 

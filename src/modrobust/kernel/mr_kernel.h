@@ -1,8 +1,8 @@
 /* Interval dynamics and robust control of rigid robots: the whole public interface.
  *
  * Equations by number: docs/theory/equations.md. SI units. Every function is free of heap, input
- * and output, globals and recursion; the caller owns all memory. Inputs are const, outputs come last;
- * on a status other than MR_OK the outputs and the controller's state are untouched, but for
+ * and output, globals and recursion; the caller owns all memory. Inputs are const, outputs come
+ * last; on a status other than MR_OK the outputs and the controller's state are untouched, but for
  * mr_loop_advance, which keeps the ticks before, and the batch. Every function computes in round to
  * nearest with subnormal numbers, whatever the caller has set, and restores what it found. */
 #ifndef MR_KERNEL_H
