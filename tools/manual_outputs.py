@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from support.pages import DOCS, ROOT, page_steps, rewritten
+from support.pages import DOCS, ROOT, outputs, page_steps, rewritten
 
 
 def main(names: list[str]) -> None:
@@ -18,6 +18,13 @@ def main(names: list[str]) -> None:
     for page in pages:
         if not page_steps(page):
             continue
+        failed = [
+            f"{page.relative_to(ROOT)}: $ {step.command}\n{output}"
+            for step, (code, output) in zip(page_steps(page), outputs(page), strict=True)
+            if code
+        ]
+        if failed:
+            sys.exit("\n".join([*failed, "end a command that is to fail with || echo ..."]))
         new = rewritten(page)
         if new != page.read_text(encoding="utf-8"):
             page.write_text(new, encoding="utf-8")

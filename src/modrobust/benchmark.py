@@ -31,7 +31,7 @@ from modrobust.synthetic import synthetic_chain
 Array = NDArray[np.float64]
 
 # Whole command on a Speedgoat real-time target, Intel Core i7-3770K at 3.5 GHz, signals sampled at
-# 1 ms. Source: Section V of Giusti and Althoff 2017.
+# 1 ms. Source: Section V of [GA17].
 PAPER_TIMES: Mapping[str, float] = {"mean": 15.3e-6, "max": 17.2e-6, "std": 0.288e-6}  # [s]
 
 SIZES = (2, 4, 8, 16, 32, 64, 128, 256)

@@ -7,7 +7,7 @@ r"""The robust tracking controller: a nominal passivity-based torque and a worst
    v &= \left(\kappa(t)\,\|\rho([\Phi])\| + \varphi(t)\right) r                            & (7) \\
    \rho([\Phi]) &= \max(|\underline\Phi|, |\overline\Phi|)                                 & (8)
 
-Source: Giusti and Althoff 2017. The command is computed in C, ``mr_command``.
+Source: [GA17]. The command is computed in C, ``mr_command``.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class RobustController:
         ShapeError: ``K_r`` does not have one entry a joint.
         ValueRangeError: A setting is unknown, not finite or out of its range.
 
-    Source: (3) to (8) and Section V of Giusti and Althoff 2017.
+    Source: (3) to (8) and Section V of [GA17].
     """
 
     @own_environment()

@@ -45,7 +45,7 @@ def test_python_and_yaml_of_these_pages_are_files_that_a_command_uses(page: Path
         (["a", "b"], "a\n\nb\n", None),
         (["a", "..."], "a\nb\n", None),
         (["...", "b", "..."], "a\nb\nc\n", None),
-        (["t 3.2 us"], "t 14 us\n", None),
+        (["t 3.2 us"], "t   1.4 ms\n", None),
         ([], "a\n", None),
         (["a"], "a\nb\n", "not shown: 'b'"),
         (["b"], "a\nb\n", "shown: 'b'; the output has 'a' there"),

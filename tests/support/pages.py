@@ -162,8 +162,12 @@ def _same(shown: str, line: str) -> bool:
         return True
     if not (_A_TIME.search(shown) and _A_TIME.search(line)):
         return False
-    words = [re.sub(r"[\d.e+]+", "", text).split() for text in (shown, line)]
-    return words[0] == words[1]
+    return _timeless(shown) == _timeless(line)
+
+
+def _timeless(line: str) -> list[str]:
+    """Words of a line without its times, whose unit depends on their size."""
+    return re.sub(r"[\d.]+(e[+-]?\d+)? (us|ms|s)\b", "TIME", line).split()
 
 
 def rewritten(path: Path) -> str:
