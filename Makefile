@@ -1,4 +1,5 @@
 # make demo: the paper's case from nothing.  make test: the whole suite.  make lint, build, clean.
+# make docs: the manual, in build/site; make docs-outputs: its commands' outputs, made again.
 # make fuzz: both fuzz targets for FUZZ_SECONDS each; what they learn and find stays in build/fuzz.
 PYTHON ?= python3
 VENV := .venv
@@ -10,9 +11,11 @@ NATIVE := pyproject.toml CMakeLists.txt src/_kernel.cpp $(wildcard src/modrobust
           src/modrobust/kernel/flags.txt
 REQUIRES := import tomllib; \
   print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")
+DOCS := import tomllib; \
+  print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["docs"], sep="\n")
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint format build fuzz clean
+.PHONY: demo test lint format build docs docs-outputs fuzz clean
 
 demo: $(VENV)/.installed
 	$(BIN)/modrobust simulate lwa4p-paper --scenario 1
@@ -32,6 +35,12 @@ format: $(VENV)/.installed-test
 build: $(VENV)/.tools
 	rm -rf dist
 	$(BIN)/pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
+
+docs: $(VENV)/.installed-docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+
+docs-outputs: $(VENV)/.installed-test
+	PYTHONPATH=tests $(BIN)/python tools/manual_outputs.py
 
 fuzz: $(VENV)/.installed-test
 	$(BIN)/python tests/fuzz/readers_fuzz.py build/fuzz/readers --seconds $(FUZZ_SECONDS)
@@ -55,3 +64,9 @@ $(VENV)/.installed: $(VENV)/.tools $(NATIVE)
 $(VENV)/.installed-test: $(VENV)/.tools $(NATIVE)
 	$(BIN)/pip install --quiet --no-build-isolation --editable '.[test]'
 	touch $@ $(VENV)/.installed
+
+# The manual reads the package's sources; it needs nothing of the package itself.
+$(VENV)/.installed-docs: $(VENV)/.tools pyproject.toml
+	$(BIN)/python -c '$(DOCS)' > $(VENV)/docs.txt
+	$(BIN)/pip install --quiet --requirement $(VENV)/docs.txt
+	touch $@

@@ -1,4 +1,4 @@
-"""Makes docs/performance.md: every figure of it, measured now, on this machine.
+"""Makes docs/measured/performance.md: every figure of it, measured now, on this machine.
 
     python benchmarks/performance_page.py
 
@@ -34,7 +34,7 @@ from modrobust.bench.peers.timing import Comparison
 from modrobust.simulation.metrics import time_statistics
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs" / "performance.md"
+PAGE = ROOT / "docs" / "measured" / "performance.md"
 COUNTS = ROOT / "tests" / "data" / "instruction_counts.json"
 COMPILERS = (("gcc", "g++"), ("clang", "clang++"), ("gcc", "clang++"))  # ours, Pinocchio's
 COMMANDS = (

@@ -1,4 +1,4 @@
-"""Makes docs/robots.md: every real robot of the test dependencies, in the closed loop.
+"""Makes docs/measured/robots.md: every real robot of the test dependencies, in the closed loop.
 
     python benchmarks/robots_table.py [SECONDS]
 
@@ -29,7 +29,7 @@ from modrobust.bench.benchmark import random_tightness, replay  # noqa: E402
 from support.real_robots import LOADED, REFUSED, located  # noqa: E402
 from support.uncertain_robots import REFLECTED, SETTINGS, START, run, with_uncertainty  # noqa: E402
 
-PAGE = ROOT / "docs" / "robots.md"
+PAGE = ROOT / "docs" / "measured" / "robots.md"
 SECONDS = 3.0  # [s] of motion
 SHORTER = {"tiago_dual": 1.0}  # [s], 101 joints
 STATES = 200
@@ -139,15 +139,17 @@ all joints, radians and metres together. Torque limits are not looked at here; `
 does.
 
 Five of them are ready as `modrobust simulate NAME`, with bounds and gains of their own:
-`ur5`, `panda`, `iiwa`, `baxter`, `tiago` ([catalogue.md](catalogue.md)). Their files are in
-`assemblies/`; `pip install "modrobust[robots]"` brings the packages that hold the URDFs.
+`ur5`, `panda`, `iiwa`, `baxter`, `tiago` ([catalogue.md](../reference/catalogue.md)). Their
+files are in `assemblies/`; `pip install "modrobust[robots]"` brings the packages that hold the
+URDFs.
 
 ## Refused
 
 {markdown(("file", "package", "why"), refusals())}
 
 Where a figure is wrong or missing, the robot loads once an assembly file gives it (`links:`,
-`joints:`), or once the part that has it is left out with `--tip` or `--base`: [urdf.md](urdf.md).
+`joints:`), or once the part that has it is left out with `--tip` or `--base`:
+[urdf.md](../reference/urdf.md).
 """,
         encoding="utf-8",
     )

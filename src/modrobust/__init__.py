@@ -5,7 +5,8 @@
 >>> mr.simulate(robot, scenario="1").summary()["violations"]
 0
 
-Names are imported when first used, so that the command line starts at once.
+Names are imported when first used, so that the command line starts at once. Keys such as [GA17] in
+docstrings are those of docs/references.md.
 """
 
 from __future__ import annotations

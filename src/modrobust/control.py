@@ -10,7 +10,7 @@ r"""The robust tracking controller: a nominal passivity-based torque and a worst
 k is the whole number with which no entry is beyond half a turn where a joint is continuous, and 0
 elsewhere (`Robot.wraps`).
 
-Source: Giusti and Althoff 2017. The command is computed in C, ``mr_command``.
+Source: [GA17]. The command is computed in C, ``mr_command``.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class RobustController:
         ShapeError: ``K_r`` does not have one entry a joint.
         ValueRangeError: A setting is unknown, not finite or out of its range.
 
-    Source: (3) to (8) and Section V of Giusti and Althoff 2017.
+    Source: (3) to (8) and Section V of [GA17].
     """
 
     @own_environment()

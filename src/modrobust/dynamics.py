@@ -1,7 +1,7 @@
 """Torques, their guaranteed bounds, mass matrix and forward dynamics of a robot.
 
-Equation numbers are those of docs/equations.md. Shapes: n joints, b bodies; SI units, angles in
-radians; entries of prismatic joints in metres and newtons.
+Equation numbers are those of docs/theory/equations.md. Shapes: n joints, b bodies; SI units,
+angles in radians; entries of prismatic joints in metres and newtons.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def inverse_dynamics(
         ShapeError: A vector does not have n entries, or `parameters` belong to another robot.
         ValueRangeError: An entry is not finite, or an angle is beyond 1e5 rad.
 
-    Source: Algorithm 1 of Giusti and Althoff 2017; kernel twin ``mr_inverse_dynamics``.
+    Source: Algorithm 1 of [GA17]; kernel twin ``mr_inverse_dynamics``.
     """
     state = _vectors(robot, q=q, dq=dq, dq_a=dq_a, ddq_a=ddq_a)
     return _run(
@@ -101,7 +101,7 @@ def inverse_dynamics_bounds(
         ShapeError: A vector does not have n entries.
         ValueRangeError: An entry is not finite, an angle is beyond 1e5 rad, or an unknown method.
 
-    Source: Algorithm 1 of Giusti and Althoff 2017; kernel twin ``mr_inverse_dynamics_bounds``.
+    Source: Algorithm 1 of [GA17]; kernel twin ``mr_inverse_dynamics_bounds``.
     """
     state = _vectors(robot, q=q, dq=dq, dq_a=dq_a, ddq_a=ddq_a)
     lo, hi = _run(
@@ -194,7 +194,7 @@ def perturbation_bounds(
         ShapeError: A vector does not have n entries.
         ValueRangeError: An entry is not finite, an angle is beyond 1e5 rad, or an unknown method.
 
-    Source: (12) of Giusti and Althoff 2017; kernel twin ``mr_perturbation_bounds``.
+    Source: (12) of [GA17]; kernel twin ``mr_perturbation_bounds``.
     """
     state = _vectors(robot, q=q, dq=dq, dq_a=dq_a, ddq_a=ddq_a)
     disturbance = np.stack([robot.disturbance.lo, robot.disturbance.hi])
@@ -226,7 +226,7 @@ def mass_matrix(
         ShapeError: q does not have n entries, or `parameters` belong to another robot.
         ValueRangeError: An entry is not finite, or an angle is beyond 1e5 rad.
 
-    Source: composite rigid bodies (Walker and Orin 1982); kernel twin ``mr_mass_matrix``.
+    Source: composite rigid bodies [WO82]; kernel twin ``mr_mass_matrix``.
     """
     state = _vectors(robot, q=q)
     return _run(

@@ -107,7 +107,7 @@ def test_an_empty_file_is_refused(run, tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_text("")
     refused(
         run,
-        'arm.yaml: empty; a description starts with "modrobust: 1"; see docs/formats.md',
+        'arm.yaml: empty; a description starts with "modrobust: 1"; see docs/reference/formats.md',
         "assemble",
         "arm.yaml",
     )

@@ -1,4 +1,4 @@
-"""What ``--json`` prints is what docs/json.md describes: every key, and no other."""
+"""What ``--json`` prints is what docs/reference/json.md describes: every key, and no other."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from support.json_schemas import SCHEMAS, keys
 from support.paths import ROOT
 from support.urdf_texts import LIMIT, joint, link, robot, written
 
-PAGE = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "reference" / "json.md").read_text(encoding="utf-8")
 SHORT = ("simulate", "lwa4p-paper", "--duration", "20ms")
 GRIPPER = robot(
     link("base", ""), link("a"), link("b"),

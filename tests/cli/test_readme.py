@@ -1,7 +1,6 @@
 """The README is true: every command runs, what it shows is what comes, every link leads somewhere.
 
-A ``yaml`` block that begins with ``# NAME`` is the file NAME for all commands. Output lines that
-hold a time depend on the machine and are not compared; ``...`` stands for what is left out.
+See `support.pages` for how a block is read, and what is compared.
 """
 
 from __future__ import annotations
@@ -9,53 +8,29 @@ from __future__ import annotations
 import re
 import shlex
 import subprocess
-import sys
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
 
-from support.command_line import EXECUTABLE, environment, run_in
-from support.paths import ROOT
+from support.command_line import environment, run_in
+from support.pages import PYTHON, ROOT, blocks, difference, page_steps, write_files
 
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
-PYTHON = str(Path(EXECUTABLE).with_name("python")) if EXECUTABLE else sys.executable
-A_TIME = re.compile(r"\d (us|ms)\b")
-
-
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
-
-
-def shown_commands() -> list[tuple[str, list[str]]]:
-    """Each command of the console blocks, with the output that is shown for it."""
-    found: list[tuple[str, list[str]]] = []
-    for block in blocks("console"):
-        for line in block.splitlines():
-            if line.startswith("$ "):
-                found.append((line.removeprefix("$ "), []))
-            else:
-                found[-1][1].append(line)
-    return found
-
-
-def write_files(folder: Path) -> None:
-    for block in blocks("yaml"):
-        first = block.partition("\n")[0]
-        (folder / first.removeprefix("# ")).write_text(block, encoding="utf-8")
+README = ROOT / "README.md"
+TEXT = README.read_text(encoding="utf-8")
 
 
 @cache
 def output_of(command: str) -> str:
     with TemporaryDirectory() as folder:
-        write_files(Path(folder))
+        write_files(TEXT, Path(folder))
         result = run_in(Path(folder), *shlex.split(command)[1:])
     assert (result.returncode, result.stderr) == (0, ""), result.stderr + result.stdout
     return result.stdout
 
 
-COMMANDS = shown_commands()
+COMMANDS = [(step.command, step.shown) for step in page_steps(README)]
 
 
 @pytest.mark.parametrize(("command", "shown"), COMMANDS, ids=[c for c, _ in COMMANDS])
@@ -68,10 +43,7 @@ def test_every_command_of_the_readme_runs_and_prints_what_is_shown(
         assert set(arguments) <= set(targets)
         return
     assert program == "modrobust"
-    lines = iter(output_of(command).splitlines())
-    for line in shown:
-        if line and line != "..." and not A_TIME.search(line):
-            assert line in lines, f"not in the output, or not in this order: {line}"
+    assert difference(shown, output_of(command)) is None
 
 
 def test_the_table_of_the_paper_s_robot_is_what_the_runs_give() -> None:
@@ -92,7 +64,11 @@ def test_the_table_of_the_paper_s_robot_is_what_the_runs_give() -> None:
         assert [match and match[1] for match in found] == figures.split(" | ")
 
 
-@pytest.mark.parametrize("block", blocks("python"), ids=lambda block: block.partition("\n")[0])
+@pytest.mark.parametrize(
+    "block",
+    [block.text for block in blocks(TEXT, "python")],
+    ids=lambda block: block.partition("\n")[0],
+)
 def test_every_python_block_of_the_readme_runs(block: str, tmp_path: Path) -> None:
     result = subprocess.run(
         [PYTHON, "-W", "error", "-c", block],

@@ -67,7 +67,7 @@ def test_a_robot_of_modules_with_nothing_uncertain_earns_no_good(run, tmp_path: 
     assert "Good" not in result.stdout
     assert last_line(result.stdout) == (
         "exact: robust against nothing; give bounds or a tolerance in the module files, see "
-        "docs/formats.md"
+        "docs/reference/formats.md"
     )
 
 

@@ -1,4 +1,7 @@
-"""The norm of rho against the largest norm of w: benchmarks/rho.py and docs/guarantees.md agree."""
+"""The norm of rho against the largest norm of w.
+
+benchmarks/rho.py and docs/theory/guarantees.md agree.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ sys.path.insert(0, str(ROOT / "benchmarks"))
 
 import rho
 
-OVER = 1.01  # docs/guarantees.md, "How tight": 1.004 and 1.005 on average over 100 states
+OVER = 1.01  # docs/theory/guarantees.md, "How tight": 1.004 and 1.005 on average over 100 states
 
 
 @pytest.mark.parametrize("robot", [rho.paper_robot(), rho.uncertain_robot()], ids=["table", "all"])

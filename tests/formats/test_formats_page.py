@@ -1,4 +1,4 @@
-"""Every YAML example of docs/formats.md is read as the page says."""
+"""Every YAML example of docs/reference/formats.md is read as the page says."""
 
 import re
 from pathlib import Path
@@ -9,7 +9,7 @@ from modrobust.formats import JointItem, load_assembly, load_module
 from support.formats.format_samples import MODULE
 from support.paths import ROOT
 
-PAGE = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "reference" / "formats.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
 HEAD = MODULE[: MODULE.index("chain:")].replace("module: arm", "module: part")
 ROBOT = "modrobust: 1\nrobot: part\nchain: [elbow-60, {module: elbow-60, as: wrist}]\n"

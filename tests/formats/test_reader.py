@@ -13,7 +13,7 @@ from modrobust.formats.nodes import ListNode, MapNode, ScalarNode
 from modrobust.formats.reader import parse_yaml, read_description
 from support.formats.format_samples import MODULE
 
-TOP = 'a description is a mapping that starts with "modrobust: 1"; see docs/formats.md'
+TOP = 'a description is a mapping that starts with "modrobust: 1"; see docs/reference/formats.md'
 
 
 @pytest.fixture(autouse=True)
@@ -73,7 +73,7 @@ def test_a_binary_file(tmp_path):
 def test_an_empty_file(tmp_path, content):
     (tmp_path / "arm.yaml").write_text(content, encoding="utf-8")
     assert _message("arm.yaml") == (
-        'arm.yaml: empty; a description starts with "modrobust: 1"; see docs/formats.md'
+        'arm.yaml: empty; a description starts with "modrobust: 1"; see docs/reference/formats.md'
     )
 
 

@@ -13,7 +13,7 @@ from instructions.instruction_counts import CASES, STORED, count_all, gcc_versio
 MARGIN = 0.05
 UPDATE = (
     "if that is meant, store the new counts: python tests/instructions/instruction_counts.py, and "
-    "commit tests/data/instruction_counts.json; docs/performance.md quotes them"
+    "commit tests/data/instruction_counts.json; docs/measured/performance.md quotes them"
 )
 
 

@@ -1,4 +1,4 @@
-"""The constants of the rounding bound, added up again from the table in docs/guarantees.md."""
+"""The constants of the rounding bound, added up from the table in docs/theory/guarantees.md."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from support.paths import ROOT
 
-PAGE = (ROOT / "docs" / "guarantees.md").read_text()
+PAGE = (ROOT / "docs" / "theory" / "guarantees.md").read_text()
 HEADER = (ROOT / "src" / "modrobust" / "kernel" / "mr_rounding.h").read_text()
 
 

@@ -150,7 +150,7 @@ def test_the_inverse_undoes_a_transform_from_both_sides():
 
 
 def test_spans_that_cancel_leave_0_below_a_part_in_10_to_40_and_the_rest_above() -> None:
-    """As docs/formats.md says; 0.3 m there and back but for the rest."""
+    """As docs/reference/formats.md says; 0.3 m there and back but for the rest."""
     for rest, left in ((Fraction(2, 10**41), 0.0), (Fraction(5, 10**39), 5e-39)):
         there, back = geometry.translation((0, Fraction(3, 10), 0)), Fraction(-3, 10) + rest
         assert (there @ geometry.translation((0, back, 0))).rounded()[1, 3] == left

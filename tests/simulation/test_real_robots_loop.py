@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from support.real_robots import LOADED, located
 
+from support.real_robots import LOADED, located
 from support.uncertain_robots import REFLECTED, SETTINGS, START, run, with_uncertainty
 
 MOTION = 2.0  # [s]

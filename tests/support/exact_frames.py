@@ -1,7 +1,7 @@
 """The transforms of a description in balls of 300 bits, from its text; nothing of modrobust's.
 
 An oracle for `before`, `after`, `placement` and `base`: numbers, spans, the chain and the tree of a
-URDF are read here once more, as docs/formats.md and docs/urdf.md describe them.
+URDF are read here once more, as docs/reference/formats.md and docs/reference/urdf.md describe them.
 """
 
 from __future__ import annotations

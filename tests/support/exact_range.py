@@ -193,7 +193,8 @@ def stationary(M: Any, right: Any) -> Any:
 def exact_range(robot: Robot, state: Any, drives: bool, number: Number = LONG) -> tuple[Any, Any]:
     """Exact (lo, hi) of NE* over the box, (n,) each.
 
-    Friction and reflected inertia if `drives`, as `docs/equations.md` (20) and (21) state them.
+    Friction and reflected inertia if `drives`, as `docs/theory/equations.md` (20) and (21) state
+    them.
     """
     array = number.array
     torques = unit_torques(robot, state, number)

@@ -1,4 +1,7 @@
-"""Real robots with 5 % uncertainty and the same settings for all; for tests and docs/robots.md."""
+"""Real robots with 5 % uncertainty and the same settings for all.
+
+For tests and docs/measured/robots.md.
+"""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from modrobust.formats import Controller, PerJoint, Quantity, Quintic, Sines, Trajectory
 from modrobust.model import ControllerSettings, TrajectorySettings
 
-_K_R = 10.0  # [1/s], Section V of Giusti and Althoff 2017
+_K_R = 10.0  # [1/s], Section V of [GA17]
 _SCALARS = ("law", "bound", "kappa_P", "kappa_I", "phi_P", "phi_I", "epsilon")
 
 

@@ -29,7 +29,7 @@ from modrobust.simulation.metrics import plain, ratio, time_statistics
 Array = NDArray[np.float64]
 
 # Whole command on a Speedgoat real-time target, Intel Core i7-3770K at 3.5 GHz, signals sampled at
-# 1 ms. Source: Section V of Giusti and Althoff 2017.
+# 1 ms. Source: Section V of [GA17].
 PAPER_TIMES: Mapping[str, float] = {"mean": 15.3e-6, "max": 17.2e-6, "std": 0.288e-6}  # [s]
 
 PAPER_ROBOT = "lwa4p-paper"  # the robot that they were measured on

@@ -55,4 +55,4 @@ def bounds_remedy(robot: Robot) -> str:
     """How a robot gets bounds."""
     if any(node.module == "urdf" for node in robot.modules):
         return 'give --tolerance, such as "mass=5%,com=5mm,inertia=10%", or bounds in a file'
-    return "give bounds or a tolerance in the module files, see docs/formats.md"
+    return "give bounds or a tolerance in the module files, see docs/reference/formats.md"

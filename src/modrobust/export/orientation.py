@@ -39,7 +39,7 @@ def quaternion(R: Array) -> tuple[float, float, float, float]:
     The largest of the four is computed from a square root, the others by division, so that nothing
     cancels.
 
-    Source: S. W. Shepperd, Quaternion from rotation matrix, 1978.
+    Source: [SH78].
     """
     trace = R[0, 0] + R[1, 1] + R[2, 2]
     squares = [1.0 + trace, *(1.0 - trace + 2.0 * R[k, k] for k in range(3))]

@@ -85,7 +85,7 @@ def _read_text(name: str) -> str:
         raise FileError(name, "a binary file (it holds NUL bytes); a description is UTF-8 text")
     if not text.strip():
         raise FileError(
-            name, 'empty; a description starts with "modrobust: 1"; see docs/formats.md'
+            name, 'empty; a description starts with "modrobust: 1"; see docs/reference/formats.md'
         )
     return text
 

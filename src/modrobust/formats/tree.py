@@ -101,7 +101,7 @@ class TreeBuilder:
             raise where.error(
                 "",
                 f"{found} at the top level; a description is a mapping that starts with "
-                '"modrobust: 1"; see docs/formats.md',
+                '"modrobust: 1"; see docs/reference/formats.md',
             )
         return self._root
 

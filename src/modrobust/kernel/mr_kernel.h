@@ -1,8 +1,8 @@
 /* Interval dynamics and robust control of rigid robots: the whole public interface.
  *
- * Equations by number: docs/equations.md. SI units. Every function is free of heap, input and
- * output, globals and recursion; the caller owns all memory. Inputs are const, outputs come last;
- * on a status other than MR_OK the outputs and the controller's state are untouched, but for
+ * Equations by number: docs/theory/equations.md. SI units. Every function is free of heap, input
+ * and output, globals and recursion; the caller owns all memory. Inputs are const, outputs come
+ * last; on a status other than MR_OK the outputs and the controller's state are untouched, but for
  * mr_loop_advance, which keeps the ticks before, and the batch. Every function computes in round to
  * nearest with subnormal numbers, whatever the caller has set, and restores what it found. */
 #ifndef MR_KERNEL_H
@@ -250,8 +250,8 @@ mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const 
                           mr_controller_state *state, mr_loop *loop, mr_loop_log *log,
                           int32_t *logged);
 
-/* MR_PLATFORM where the machine or the build does not round as the proof in docs/guarantees.md
- * needs it; to be called once, before anything else. */
+/* MR_PLATFORM where the machine or the build does not round as the proof in
+ * docs/theory/guarantees.md needs it; to be called once, before anything else. */
 mr_status mr_self_test(void);
 
 /* Sine and cosine for |x| <= MR_ANGLE_MAX; the same bits on every platform. */

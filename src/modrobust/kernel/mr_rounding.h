@@ -1,5 +1,6 @@
-/* The constants of the rounding bound. docs/guarantees.md derives them from counts of operations; a
- * test adds them up again and compares all with that page. In units of u, the rounding to nearest. */
+/* The constants of the rounding bound. docs/theory/guarantees.md derives them from counts of
+ * operations; a test adds them up again and compares all with that page. In units of u, the
+ * rounding to nearest. */
 #ifndef MR_ROUNDING_H
 #define MR_ROUNDING_H
 

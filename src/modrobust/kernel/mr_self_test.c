@@ -1,4 +1,5 @@
-/* What the proof of docs/guarantees.md assumes about the machine and the build, tried out. */
+/* What the proof of docs/theory/guarantees.md assumes about the machine and the build, tried
+ * out. */
 #include "mr_environment.h"
 #include "mr_internal.h"
 

@@ -15,7 +15,7 @@ frame i. With A_i the constant transform from joint frame i (after its motion) t
 
 since S_i commutes with the joint's motion. The tip frame stands in for the joint after the last.
 
-Source: standard D-H is (10) and (11) of Giusti and Althoff 2017.
+Source: standard D-H is (10) and (11) of [GA17].
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def dh_table(parents: Sequence[int] | NDArray[np.int32], before: Array, after: A
     Raises:
         ValueError: The joints do not form a serial chain.
 
-    Source: docs/equations.md; see the module's docstring for the construction.
+    Source: docs/theory/equations.md; see the module's docstring for the construction.
     """
     n = len(before)
     if [int(parent) for parent in parents] != list(range(-1, n - 1)):

@@ -11,7 +11,7 @@ Errors: with 60 digits those of a thousand products stay below 1e-50. What is le
 the lengths that were added, in a translation) is taken as the 0 that was meant. So the doubles of
 `Transform.rounded` are the nearest ones, but for cases closer than that to the middle of two.
 
-Source: conventions as in docs/formats.md; standard D-H is (10) and (11) of Giusti and Althoff 2017.
+Source: conventions as in docs/reference/formats.md; standard D-H is (10) and (11) of [GA17].
 """
 
 from __future__ import annotations
@@ -187,8 +187,7 @@ def rotation_z(angle: Real) -> Transform:
 def rotation_to(axis: Sequence[Real]) -> Transform:
     """A rotation that takes z to the direction of `axis` (3,), and z to z as the identity.
 
-    Source: Duff et al. 2017, "Building an orthonormal basis, revisited", free of cancellation for
-    every direction.
+    Source: [DU17], free of cancellation for every direction.
     """
     with localcontext(_DIGITS):
         x, y, z = (_decimal(entry) for entry in axis)
@@ -226,7 +225,7 @@ def _tz(d: Real) -> Transform:
 def dh_standard(a: Real, alpha: Real, d: Real, theta: Real) -> Transform:
     """Rz(theta) Tz(d) Tx(a) Rx(alpha): lengths [m], angles [rad].
 
-    Source: (10) and (11) of Giusti and Althoff 2017.
+    Source: (10) and (11) of [GA17].
     """
     return rotation_z(theta) @ translation((a, 0, d)) @ rotation_x(alpha)
 
@@ -241,7 +240,7 @@ def giusti2015(
 ) -> Transform:
     """Tz(-p) Rz(-delta_in) Tx(a) Rx(alpha) Tz(n) Rz(delta_out): [m] and [rad].
 
-    Source: extended D-H letters of Giusti and Althoff 2015, in their own signs.
+    Source: extended D-H letters of [GA15], in their own signs.
     """
     proximal = (rotation_z(delta_in) @ _tz(p)).inverse()
     return proximal @ _tx(a) @ rotation_x(alpha) @ _tz(n) @ rotation_z(delta_out)

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ControllerSettings:
-    """Gains of the robust control law; see docs/equations.md, (3) to (8).
+    """Gains of the robust control law; see docs/theory/equations.md, (3) to (8).
 
     K_r (n,) [1/s] positive; the others non-negative; epsilon [rad] or [m] positive.
     """
@@ -61,9 +61,9 @@ class ModuleNode:
 
 @dataclass(frozen=True, eq=False)
 class Followers:
-    """Joints that follow a free one, docs/equations.md (15): q = multiplier * q_leader + offset.
+    """Joints that follow a free one: q = multiplier * q_leader + offset.
 
-    They have their place in every array of joint data: `joints`, the indices there, ascending; left
+    Equation (15) of docs/theory/equations.md. They have their place in every array of joint data: `joints`, the indices there, ascending; left
     empty, they stand after the n free joints. A vector of positions, velocities or torques holds
     the free joints only; `leaders` are indices into such a vector.
     """

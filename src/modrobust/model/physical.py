@@ -42,7 +42,7 @@ def steiner(mass: Array, com: Array) -> Array:
 def inertia_about_com(mass: Array, com: Array, inertia: Array, framed: NDArray[np.bool_]) -> Array:
     """Tensors about the COM (..., 3, 3); those of bodies that are `framed` (...) are moved there.
 
-    docs/equations.md, (16f). The others come back bit by bit.
+    docs/theory/equations.md, (16f). The others come back bit by bit.
     """
     moved: Array = np.where(framed[..., None, None], inertia - steiner(mass, com), inertia)
     return moved

@@ -1,7 +1,8 @@
 """The robot as frozen arrays: what every computation takes.
 
 Frames: joint i moves link i; T_i = before_i J_i(q_i) after_i takes coordinates in link frame i
-to those of its parent's link frame (or of the base frame, parent -1). interface: docs/formats.md.
+to those of its parent's link frame (or of the base frame, parent -1). Interface:
+docs/reference/formats.md.
 """
 
 from __future__ import annotations
@@ -371,7 +372,7 @@ class Robot:
     def to_dict(self) -> dict[str, Any]:
         """The resolved robot as plain Python, ready for JSON; numbers round-trip exactly.
 
-        Keys and conventions: docs/formats.md, "The resolved robot".
+        Keys and conventions: docs/reference/formats.md, "The resolved robot".
         """
         joints = [self._joint_dict(i) for i in range(self.j)]
         bodies = [

@@ -32,7 +32,7 @@ DEFAULT_DURATION = 10.0  # [s]
 QUINTIC_PEAK_RATE = 1.875
 # Peak of its second derivative, 10 / sqrt(3), at s = 1/2 -+ sqrt(3)/6.
 QUINTIC_PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
-# (13) of Giusti and Althoff 2017.
+# (13) of [GA17].
 PAPER_AMPLITUDE = tuple(math.pi / x for x in (2.0, -4.0, 6.0, -6.0, 4.0, -2.0))  # [rad]
 PAPER_OMEGA = (math.pi / 5.0, math.pi / 2.0)  # [rad/s]
 
@@ -74,7 +74,7 @@ class Sines:
         omega: Angular rates, (k,) [rad/s].
         duration: Default duration of a run [s].
 
-    Source: (13) of Giusti and Althoff 2017.
+    Source: (13) of [GA17].
     """
 
     amplitude: tuple[float, ...]
@@ -249,7 +249,7 @@ def paper_trajectory(robot: Robot) -> Sines:
     Raises:
         ShapeError: The robot does not have 6 joints.
 
-    Source: (13) of Giusti and Althoff 2017.
+    Source: (13) of [GA17].
     """
     if robot.n != len(PAPER_AMPLITUDE):
         raise ShapeError(

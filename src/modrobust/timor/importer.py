@@ -9,7 +9,7 @@ that with P the pose of a connector in its body
 A body's tensor is about its COM in one reading of the public databases and about its frame in the
 other; which one holds is decided by what a rigid body can have (`inertia_reading`).
 
-Source: Külz, Mayer, Althoff 2023, "Timor Python: A Toolbox for Industrial Modular Robotics".
+Source: [KM23].
 """
 
 from __future__ import annotations

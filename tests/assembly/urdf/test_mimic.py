@@ -1,4 +1,4 @@
-"""Joints that follow another, docs/equations.md (15)."""
+"""Joints that follow another, docs/theory/equations.md (15)."""
 
 from __future__ import annotations
 

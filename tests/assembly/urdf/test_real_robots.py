@@ -99,7 +99,7 @@ def test_a_refused_robot_loads_with_the_figure_it_lacks(tmp_path: Path) -> None:
 
 def test_the_example_of_the_documentation_loads(tmp_path: Path) -> None:
     located("example-robot-data", "ur5_robot")
-    page = ROOT / "docs" / "urdf.md"
+    page = ROOT / "docs" / "reference" / "urdf.md"
     (example,) = re.findall(r"```yaml\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
     (tmp_path / "my-ur5.yaml").write_text(example, encoding="utf-8")
     arm = mr.load_robot(tmp_path / "my-ur5.yaml")

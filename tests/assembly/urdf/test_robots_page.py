@@ -1,14 +1,13 @@
-"""docs/robots.md, made by benchmarks/robots_table.py: its robots are those that load."""
+"""docs/measured/robots.md, made by benchmarks/robots_table.py: its robots are those that load."""
 
 from __future__ import annotations
 
 import re
 
+from support.paths import ROOT
 from support.real_robots import LOADED, REFUSED
 
-from support.paths import ROOT
-
-PAGE = (ROOT / "docs" / "robots.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "measured" / "robots.md").read_text(encoding="utf-8")
 
 
 def rows(part: str) -> list[list[str]]:

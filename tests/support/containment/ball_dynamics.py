@@ -8,7 +8,7 @@ transpose is used: the row that takes a body's force and moment to joint i's tor
 the joint to the bodies, instead of every monomial from the body to the joints.
 
 Matrices are used as they are given, never as if their inverse were their transpose where the
-algorithm does not say so. With B_i: docs/equations.md, (14); followers: (15).
+algorithm does not say so. With B_i: docs/theory/equations.md, (14); followers: (15).
 """
 
 from __future__ import annotations

@@ -776,7 +776,7 @@ MODULE_CASES = [
         "- 1\n",
         (
             "arm.yaml:1: a list at the top level; a description is a mapping that starts "
-            'with "modrobust: 1"; see docs/formats.md'
+            'with "modrobust: 1"; see docs/reference/formats.md'
         ),
     ),
     (
@@ -785,7 +785,7 @@ MODULE_CASES = [
         "# soon\n",
         (
             "arm.yaml:1: nothing at the top level; a description is a mapping that starts "
-            'with "modrobust: 1"; see docs/formats.md'
+            'with "modrobust: 1"; see docs/reference/formats.md'
         ),
     ),
     (
