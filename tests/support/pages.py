@@ -21,8 +21,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from support.command_line import COMMAND, EXECUTABLE, environment
+from support.paths import ROOT
 
-ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PYTHON = str(Path(EXECUTABLE).with_name("python")) if EXECUTABLE else sys.executable
 

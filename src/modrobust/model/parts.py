@@ -63,9 +63,10 @@ class ModuleNode:
 class Followers:
     """Joints that follow a free one: q = multiplier * q_leader + offset.
 
-    Equation (15) of docs/theory/equations.md. They have their place in every array of joint data: `joints`, the indices there, ascending; left
-    empty, they stand after the n free joints. A vector of positions, velocities or torques holds
-    the free joints only; `leaders` are indices into such a vector.
+    Equation (15) of docs/theory/equations.md. They have their place in every array of joint data:
+    `joints`, the indices there, ascending; left empty, they stand after the n free joints. A vector
+    of positions, velocities or torques holds the free joints only; `leaders` are indices into such
+    a vector.
     """
 
     names: tuple[str, ...] = ()
