@@ -18,7 +18,7 @@ def imported(*arguments: str) -> set[str]:
         (["--help"], {"typer"}, {"numpy", "pydantic", "ruamel.yaml", "rich.console"}),
         (
             ["assemble", "lwa4p-paper"],
-            {"numpy", "pydantic", "rich.console", "modrobust.export.orientation"},
+            {"numpy", "pydantic", "rich.console", "modrobust.model.orientation"},
             {"lxml.etree", "yourdfpy", "mujoco", "scipy", "xml.etree", "modrobust.export.mjcf",
              "modrobust.assembly.urdf.robot", "modrobust.simulation.run"},
         ),

@@ -51,7 +51,7 @@ def print_report(robot: Robot, report: Report) -> None:
 
 def _mounting(robot: Robot) -> list[str]:
     """Where the base stands, where that is not the default, and which way it feels gravity."""
-    from modrobust.export.orientation import roll_pitch_yaw
+    from modrobust.model.orientation import roll_pitch_yaw
 
     lines = []
     turned = robot.base[:3, :3].T @ robot.gravity

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.export.common import body_origin, joint_origin, joint_range, number, numbers
-from modrobust.export.orientation import quaternion
 from modrobust.model import Parameters, Robot
+from modrobust.model.orientation import quaternion
 
 Array = NDArray[np.float64]
 

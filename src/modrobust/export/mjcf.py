@@ -23,9 +23,9 @@ from modrobust.export.common import (
     without_bounds,
 )
 from modrobust.export.geoms import add_geoms
-from modrobust.export.orientation import quaternion
 from modrobust.kernel import own_environment
 from modrobust.model import Parameters, Robot
+from modrobust.model.orientation import quaternion
 from modrobust.model.physical import excess
 
 Array = NDArray[np.float64]

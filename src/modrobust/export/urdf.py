@@ -23,9 +23,9 @@ from modrobust.export.common import (
     weighs,
     without_bounds,
 )
-from modrobust.export.orientation import roll_pitch_yaw
 from modrobust.kernel import own_environment
 from modrobust.model import Parameters, Robot
+from modrobust.model.orientation import roll_pitch_yaw
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from modrobust.assembly.urdf.joints import Joint
 from modrobust.assembly.urdf.reader import Description, Link
 from modrobust.assembly.urdf.values import read_pose
 from modrobust.assembly.urdf.xml import Element, serialise
-from modrobust.export.orientation import roll_pitch_yaw
 from modrobust.model.geometry import Transform
+from modrobust.model.orientation import roll_pitch_yaw
 
 # Shapes, looks and other tools' dialects: nothing here uses them, and meshes stay unread.
 _DROPPED = ("visual", "collision", "material", "gazebo", "transmission", "sensor", "ros2_control",
