@@ -1,7 +1,7 @@
 """The shape of the package: who imports whom, and what the kernel's text may contain.
 
-The order of the rooms reads as the theory does: a room imports only from rooms before it. A new room
-needs its place in ``ORDER``.
+The order of the rooms reads as the theory does: a room imports only from rooms before it. A new
+room needs its place in ``ORDER``.
 """
 
 from __future__ import annotations
