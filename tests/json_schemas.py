@@ -307,7 +307,9 @@ MODULES = array(
             "product": FLAG,
             "source": array(TEXT),
             "licence": optional(TEXT),
-            "joints": array(record({"name": TEXT, "type": exactly("revolute", "continuous", "prismatic")})),
+            "joints": array(
+                record({"name": TEXT, "type": exactly("revolute", "continuous", "prismatic")})
+            ),
             "in": optional(CONNECTOR),
             "out": optional(CONNECTOR),
             "mates": array(TEXT),
