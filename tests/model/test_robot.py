@@ -102,7 +102,12 @@ def test_to_dict_has_the_pinned_keys_and_null_for_limits_that_are_not_given():
         "drive",
         "friction",
     ]
-    assert joint["limits"] == {"position": None, "velocity": 1.0, "effort": None}
+    assert joint["limits"] == {
+        "position": None,
+        "velocity": 1.0,
+        "effort": None,
+        "acceleration": None,
+    }
     assert data["joints"][1]["limits"]["velocity"] is None
     assert joint["drive"]["rotor_inertia"] == {"nominal": 1e-5, "lo": 9e-6, "hi": 1e-5 * 1.1}
     assert joint["friction"]["coulomb_speed"] == 1e-3

@@ -59,7 +59,7 @@ ASSEMBLE = record(
             record(
                 {
                     "name": TEXT,
-                    "type": exactly("revolute", "prismatic"),
+                    "type": exactly("revolute", "continuous", "prismatic"),
                     "parent": INDEX,
                     "before": PLACE,
                     "after": PLACE,
@@ -68,6 +68,7 @@ ASSEMBLE = record(
                             "position": optional({**array(NUMBER, 2), "maxItems": 2}),
                             "velocity": optional(NUMBER),
                             "effort": optional(NUMBER),
+                            "acceleration": optional(NUMBER),
                         }
                     ),
                     "mimic": record({"joint": INDEX, "multiplier": NUMBER, "offset": NUMBER}),
@@ -91,6 +92,7 @@ ASSEMBLE = record(
                     "placement": PLACE,
                     "mass": bounded(NUMBER),
                     "com": bounded(POINT),
+                    "inertia_about": exactly("com", "frame"),
                     "inertia": bounded(matrix(3, 3)),
                 }
             )
@@ -114,13 +116,14 @@ ASSEMBLE = record(
         ),
         "exact": array(TEXT),
         "not_modelled": array(TEXT),
+        "unphysical": array(record({"body": TEXT, "excess": optional(SIZE)})),
     }
 )
 
 DIVERGENCE = record(
     {
         "joint": optional(TEXT),
-        "kind": optional(exactly("revolute", "prismatic")),
+        "kind": optional(exactly("revolute", "continuous", "prismatic")),
         "hold": SIZE,
         **dict.fromkeys(("t", "gain", "inertia", "share", "rate"), optional(SIZE)),
         "drive": FLAG,
@@ -151,6 +154,8 @@ SETTINGS = record(
                 ),
             ]
         },
+        "motion_time": optional(SIZE),
+        "motion_remarks": array(TEXT),
         "duration": SIZE,
         "control_rate": SIZE,
         "hold": TEXT,
@@ -172,6 +177,7 @@ SIMULATE = record(
         "diverged": FLAG,
         "divergence": optional(DIVERGENCE),
         "epsilon_entered_at": optional(SIZE),
+        "cut_short": FLAG,
         "error_final": optional(SIZE),
         "error_max_after_entry": optional(SIZE),
         "tau_max": optional(array(optional(SIZE))),
@@ -301,7 +307,9 @@ MODULES = array(
             "product": FLAG,
             "source": array(TEXT),
             "licence": optional(TEXT),
-            "joints": array(record({"name": TEXT, "type": exactly("revolute", "prismatic")})),
+            "joints": array(
+                record({"name": TEXT, "type": exactly("revolute", "continuous", "prismatic")})
+            ),
             "in": optional(CONNECTOR),
             "out": optional(CONNECTOR),
             "mates": array(TEXT),

@@ -88,7 +88,7 @@ class Robot:
     modules: tuple[ModuleNode, ...] = ()
     followers: Followers = field(default_factory=Followers)
     version: int = 1
-    # (n,) [rad/s^2] or [m/s^2], infinite where not given; left out by to_dict
+    # (n,) [rad/s^2] or [m/s^2], infinite where not given
     acceleration_limits: Array = field(default_factory=lambda: np.zeros(0))
     scenario_notes: Mapping[str, str] = field(default_factory=dict)
     inertia_about: tuple[str, ...] = ()  # (b) "com" or "frame"; none given = the COM for all
@@ -420,6 +420,7 @@ class Robot:
                 "position": position.tolist() if np.isfinite(position).all() else None,
                 "velocity": _finite(self.velocity_limits[entry]) if free else None,
                 "effort": _finite(self.effort_limits[entry]) if free else None,
+                "acceleration": _finite(self.acceleration_limits[entry]) if free else None,
             },
             **follower,
             "drive": {

@@ -191,6 +191,7 @@ def test_a_limit_of_acceleration_is_read_in_each_spelling(tmp_path: Path) -> Non
         text = text.replace("<robot ", '<robot xmlns:drake="http://drake.mit.edu" ')
         loaded = mr.load_robot(written(tmp_path, text))
         assert loaded.acceleration_limits.tolist() == [10.0]
+        assert loaded.to_dict()["joints"][0]["limits"]["acceleration"] == 10.0
     limits = LIMIT.replace("/>", ' acceleration="10" deceleration="12" jerk="500"/>')
     text = two_links(AXIS + limits).replace("<robot ", '<robot version="1.2" ')
     loaded = mr.load_robot(written(tmp_path, text))
