@@ -33,7 +33,7 @@ from modrobust.formats.naming import instance_names_of
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, shown
 from modrobust.formats.overrides import overridden
 from modrobust.formats.quantity import parse_angle, parse_point
-from modrobust.formats.reader import parse_yaml, read_description
+from modrobust.formats.reader import parse_description, read_description
 from modrobust.formats.span import is_modified, span_matrix
 from modrobust.formats.tolerance import Tolerances
 from modrobust.kernel import own_environment
@@ -72,7 +72,7 @@ class ModuleFile:
     """
 
     def __init__(self, path: str | Path, text: str | None = None) -> None:
-        self._root = read_description(path) if text is None else parse_yaml(text, str(path))
+        self._root = read_description(path) if text is None else parse_description(text, str(path))
         check_kind(self._root, "module", "robot", "an assembly file", "a module")
         self._model = check(ModuleModel, self._root, ModuleFields(self._root).name)
         check_stem(self._root.entries["module"], self._model.module, path, "module")

@@ -49,7 +49,12 @@ def read_description(path: str | Path) -> MapNode:
     """
     name = os.fspath(path)
     text = _read_text(name)
-    return parse_json(text, name) if name.lower().endswith(".json") else parse_yaml(text, name)
+    return parse_json(text, name) if name.lower().endswith(".json") else _parse_yaml(text, name)
+
+
+def parse_description(text: str, name: str) -> MapNode:
+    """The tree of a YAML text that is to stand in a file of that name, see `read_description`."""
+    return _parse_yaml(text, name)
 
 
 def _read_text(name: str) -> str:
@@ -99,8 +104,7 @@ def _missing(path: Path) -> str:
     return "no such file; check the path"
 
 
-def parse_yaml(text: str, name: str) -> MapNode:
-    """The tree of a YAML text, see `read_description`."""
+def _parse_yaml(text: str, name: str) -> MapNode:
     control = _CONTROL.search(text)
     if control:
         raise DescriptionError(
