@@ -11,7 +11,7 @@ from modrobust.errors import DescriptionError
 from modrobust.formats import Csv, PerJoint, Quintic, Sines, instance_names, load_assembly
 from modrobust.formats.exact import above
 from modrobust.formats.naming import instance_names_of
-from modrobust.formats.reader import parse_yaml
+from modrobust.formats.reader import _parse_yaml
 from support.float_transforms import from_xyz_rpy
 from support.formats.format_samples import ASSEMBLY
 
@@ -35,7 +35,7 @@ def load(tmp_path, monkeypatch):
 
 
 def per_joint(text, kind, **options):
-    return PerJoint(parse_yaml(f"x: {text}", "r.yaml").entries["x"], "x", kind, **options)
+    return PerJoint(_parse_yaml(f"x: {text}", "r.yaml").entries["x"], "x", kind, **options)
 
 
 def test_an_assembly_is_resolved_to_si(load):

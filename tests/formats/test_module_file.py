@@ -12,7 +12,7 @@ from modrobust.formats import FrameItem, instance_names, load_module
 from modrobust.formats.exact import above, below
 from modrobust.formats.inertia import box_is_physical, largest_principal_moment
 from modrobust.formats.quantity import Quantity
-from modrobust.formats.reader import parse_yaml
+from modrobust.formats.reader import _parse_yaml
 from support.float_transforms import (
     dh_modified,
     dh_standard,
@@ -33,7 +33,7 @@ def load(tmp_path, monkeypatch):
             assert old in text
             text = text.replace(old, new, 1)
         (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
-        nodes = parse_yaml(overrides, "robot.yaml").entries if overrides else None
+        nodes = _parse_yaml(overrides, "robot.yaml").entries if overrides else None
         return load_module("arm.yaml", nodes)
 
     return load_changed

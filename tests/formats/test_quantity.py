@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from modrobust.errors import ValueRangeError
 from modrobust.formats import parse_quantity
 from modrobust.formats.exact import PI_HI, PI_LO, above, below, nearest
-from modrobust.formats.reader import parse_yaml
+from modrobust.formats.reader import _parse_yaml
 
 QUICK = settings(max_examples=120, deadline=None, database=None, derandomize=True)
 
@@ -24,7 +24,7 @@ DECIMALS = st.builds(
 
 
 def node(text):
-    return parse_yaml(f"x: {text}", "x.yaml").entries["x"]
+    return _parse_yaml(f"x: {text}", "x.yaml").entries["x"]
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from modrobust.errors import DescriptionError, FileError
 from modrobust.formats import load_module
 from modrobust.formats.json_reader import parse_json
 from modrobust.formats.nodes import ListNode, MapNode, ScalarNode
-from modrobust.formats.reader import parse_yaml, read_description
+from modrobust.formats.reader import _parse_yaml, read_description
 from support.formats.format_samples import MODULE
 
 TOP = 'a description is a mapping that starts with "modrobust: 1"; see docs/reference/formats.md'
@@ -135,7 +135,7 @@ def test_json_that_is_refused(tmp_path, text, message):
 
 def test_scalars_stay_the_text_that_was_written():
     text = "a: 5e-5\nb: 160:1\nc: no\nd: 0x10\ne: 'x: y'\nf: 1_000\ng: 2001-01-01\nh: ~\n"
-    tree = parse_yaml(text, "x.yaml")
+    tree = _parse_yaml(text, "x.yaml")
     assert [node.text for node in tree.entries.values()] == [
         "5e-5", "160:1", "no", "0x10", "x: y", "1_000", "2001-01-01", "~",
     ]  # fmt: skip
@@ -143,7 +143,7 @@ def test_scalars_stay_the_text_that_was_written():
 
 
 def test_an_empty_value_stands_on_the_line_of_its_key():
-    tree = parse_yaml("a:\n\n\nb: 1\n", "x.yaml")
+    tree = _parse_yaml("a:\n\n\nb: 1\n", "x.yaml")
     assert tree.entries["a"].where.line == 1
 
 
@@ -173,7 +173,7 @@ def test_a_module_in_json_says_what_it_says_in_yaml(tmp_path):
 @given(st.text(alphabet="ab:-[]{},&*!|>'\"%#\n \t0?", max_size=60))
 @settings(max_examples=150, deadline=None, database=None, derandomize=True)
 def test_any_text_is_read_or_refused_in_one_line(text):
-    for parse in (parse_yaml, parse_json):
+    for parse in (_parse_yaml, parse_json):
         try:
             tree = parse(text, "x")
         except DescriptionError as error:

@@ -5,7 +5,7 @@ from jsonschema import Draft202012Validator
 
 from modrobust.formats import json_schema
 from modrobust.formats.nodes import ListNode, ScalarNode
-from modrobust.formats.reader import parse_yaml, read_description
+from modrobust.formats.reader import _parse_yaml, read_description
 from support.formats.format_samples import ASSEMBLY, MODULE
 from support.paths import ROOT
 
@@ -56,8 +56,8 @@ def test_the_schema_accepts_every_file_of_the_catalogue(kind):
 )
 def test_the_schema_refuses_what_the_loader_refuses(kind, text, old, new):
     validator = Draft202012Validator(json_schema(kind))
-    assert validator.is_valid(_data(parse_yaml(text, "x.yaml")))
-    assert not validator.is_valid(_data(parse_yaml(text.replace(old, new, 1), "x.yaml")))
+    assert validator.is_valid(_data(_parse_yaml(text, "x.yaml")))
+    assert not validator.is_valid(_data(_parse_yaml(text.replace(old, new, 1), "x.yaml")))
 
 
 @pytest.mark.parametrize("kind", FILES)
@@ -69,5 +69,5 @@ def test_every_key_of_the_schema_is_described(kind):
 
 
 def test_an_absent_key_is_not_null():
-    data = _data(parse_yaml(MODULE, "x.yaml"))
+    data = _data(_parse_yaml(MODULE, "x.yaml"))
     assert not Draft202012Validator(json_schema("module")).is_valid({**data, "licence": None})
