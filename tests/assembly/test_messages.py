@@ -13,7 +13,7 @@ from support.paths import ROOT
 
 PACKAGE = ROOT / "src" / "modrobust"
 OPTION = re.compile(r"(?<![\w-])--[a-z]")
-OTHER_PROGRAMS = {"peers/compile.py"}  # what it says to a compiler and pkg-config
+OTHER_PROGRAMS = {"bench/peers/compile.py"}  # what it says to a compiler and pkg-config
 
 
 def messages(text: str) -> list[str]:

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import modrobust as mr
-from modrobust.bench import benchmark
 from modrobust.bench.benchmark import (
     PAPER_TIMES,
     Growth,
     Tightness,
+    benchmark,
     growth,
     random_tightness,
     replay,

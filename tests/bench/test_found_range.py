@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import modrobust as mr
-from modrobust.bench import found_range, probe_count
 from modrobust.bench.benchmark import random_tightness, trajectory_tightness
+from modrobust.bench.found_range import found_range, probe_count
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.model import Bounded, Robot, synthetic_chain
 from support.exact_range import exact_range

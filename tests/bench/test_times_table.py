@@ -11,7 +11,9 @@ from modrobust.cli.output import times
 
 def header(value: float) -> str:
     console = Console(width=80, file=io.StringIO(), record=True)
-    console.print(times({"this run": dict.fromkeys(("mean", "max", "std", "p50", "p99"), value)}))
+    console.print(
+        times({"this run": dict.fromkeys(("mean", "max", "std", "p50", "p99"), value)}, "")
+    )
     return next(line for line in console.export_text().splitlines() if "mean" in line)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import modrobust as mr
-from modrobust.bench import found_range
+from modrobust.bench.found_range import found_range
 from modrobust.checks import as_integer, as_number
 from modrobust.errors import ValueRangeError
 from support.random_robots import random_robot

@@ -12,7 +12,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import modrobust as mr
-from modrobust.bench import benchmark
+from modrobust.bench.benchmark import benchmark
 from modrobust.bench.peers import PeerReport
 from modrobust.bench.peers.timing import Comparison, Timing
 from modrobust.cli.output import words

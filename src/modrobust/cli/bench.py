@@ -77,8 +77,7 @@ def bench(
     width of the bound by either method, and of the range that a search of the parameters finds.
     With --growth also the time against the number of joints.
     """
-    from modrobust.bench import benchmark
-    from modrobust.bench.benchmark import SIZES
+    from modrobust.bench.benchmark import SIZES, benchmark
     from modrobust.cli.output import ProgressBar, note, print_json
 
     options = (base, tip, lock, tolerance, payload, mount, gravity, xacro, package)

@@ -13,7 +13,7 @@ from modrobust.errors import DescriptionError, SeveralFaultsError
 from support.urdf_texts import INERTIA, INERTIAL, LIMIT, joint, link, robot, written
 
 AXIS = '<axis xyz="0 0 1"/>'
-TURNED = INERTIAL.replace('xyz="0 0 0.1"', 'rpy="0.1 0 0"').replace('"0.03"', '"0.09"')
+TURNED = INERTIAL.replace('xyz="0 0 0.1"', 'rpy="0.1 0 0"').replace('"0.03"', '"-0.09"')
 
 
 def sick() -> str:
@@ -35,12 +35,11 @@ small.urdf:4: link no-mass: <inertial> has no <mass>; nothing is guessed; add it
 <inertial> from a frame without mass
 small.urdf:6: link a b, ixx: "nan" is not finite; numbers in a URDF are decimal, in SI units \
 without the unit; correct it
-small.urdf:6: link a b, mass: -2 kg is not positive; a body's mass is above 0; correct it
+small.urdf:6: link a b, mass: -2 kg is negative; a body's mass is at least 0; correct it
 small.urdf:7: joint j3, limits: lower and upper limit are both 0; such a joint cannot move; \
 correct them, write type="continuous" if it turns without end, or freeze it (lock: {j3: 0})
-small.urdf:8: link turned, inertia: principal moments 0.01, 0.02, 0.09 kg m^2 break the triangle \
-inequality; the largest is at most the sum of the other two; check the figures and the reference \
-point ("about")
+small.urdf:8: link turned, inertia.yy: -0.09 kg m^2 is negative; a moment of inertia is at least 0; \
+check the figures and the reference point ("about")
 An assembly file over this URDF can give what is open:
 links:
   no-mass: {mass: ... kg}
@@ -101,7 +100,7 @@ def test_the_overlay_filled_in_and_pasted_mends_the_robot(tmp_path: Path) -> Non
 
 def test_one_fault_is_told_as_it_always_was(tmp_path: Path) -> None:
     text = robot(
-        link("base", ""), joint("j", "base", "a"), link("a", INERTIAL.replace('"2"', '"0"'))
+        link("base", ""), joint("j", "base", "a"), link("a", INERTIAL.replace('"2"', '"-2"'))
     )
     with pytest.raises(DescriptionError) as caught:
         mr.load_robot(written(tmp_path, text))

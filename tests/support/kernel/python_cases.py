@@ -13,7 +13,7 @@ import numpy as np
 import modrobust as mr
 from modrobust import _kernel
 from modrobust.assembly.modules.catalogue import builtin_robots, catalogue
-from modrobust.bench import found_range
+from modrobust.bench.found_range import found_range
 from modrobust.checks import as_number
 from modrobust.export.mjcf import mjcf_text
 from modrobust.export.urdf import urdf_text
