@@ -35,7 +35,7 @@ def test_the_time_of_the_default_motion_stands_in_the_file(run, tmp_path: Path) 
     assert (figures["settings"]["duration"], figures["cut_short"]) == (0.5, False)
     assert figures["settings"]["motion_time"] == 0.5
     shown = run("simulate", "slow.yaml").stdout.splitlines()
-    assert shown[0].startswith("slow, random parameters, seed 0: 0.5 s, law norm, bound hull")
+    assert shown[0].startswith("slow, parameters random, seed 0: 0.5 s, law norm, bound hull")
     assert shown[1].startswith("Motion: the default, quintic through seeded waypoints, seed 0")
 
 
@@ -62,7 +62,7 @@ def test_a_long_run_is_announced_and_its_heading_comes_at_once(
     try:
         if not json_too:  # into a pipe, with the run still on
             assert process.stdout.readline().startswith(
-                "lwa4p-paper, random parameters, seed 0: 1000 s"
+                "lwa4p-paper, parameters random, seed 0: 1000 s"
             )
         assert process.stderr.readline() == (
             "1000 s of motion, 50,000,000 commands; Ctrl-C ends the run early and keeps what was "

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import modrobust as mr
 from support.command_line import COMMAND, EXECUTABLE, environment
 
 BARE = EXECUTABLE is not None  # an environment without extras
@@ -21,7 +22,13 @@ def test_assemble_writes_urdf_and_mjcf_and_says_what_they_do_not_hold(run, tmp_p
     options = ("--urdf", "a.urdf", "--mjcf", "a.xml", "--parameters", "upper", "--json")
     result = run("assemble", "lwa4p-payload", *options)
     assert result.returncode == 0
-    upper = [body["mass"]["hi"] for body in json.loads(result.stdout)["bodies"]]
+    point, pulled = mr.load_robot("lwa4p-payload").physical_corner("upper")
+    upper = point.mass.tolist()
+    highest = [body["mass"]["hi"] for body in json.loads(result.stdout)["bodies"]]
+    names = [body["name"] for body in json.loads(result.stdout)["bodies"]]
+    assert all(
+        x == y for x, y, name in zip(upper, highest, names, strict=True) if name not in pulled
+    )
     for file in ("a.urdf", "a.xml"):
         text = (tmp_path / file).read_text()
         assert all(f'"{mass!r}"' in text for mass in upper)

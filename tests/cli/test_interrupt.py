@@ -67,7 +67,7 @@ def test_an_interrupted_simulation_shows_and_saves_what_it_has(tmp_path: Path) -
     assert code == 130
     assert "Simulating lwa4p-paper" in shown
     assert "of 10000 s; what was computed is kept in run.npz" in shown
-    assert "violations of the bound" in out
+    assert " violations " in out
     assert "Not good: interrupted at " in out
     with np.load(tmp_path / "run.npz") as log:
         assert 0.0 <= log["t"][-1] < 1e4
@@ -94,7 +94,7 @@ def test_a_command_that_is_ended_leaves_no_half_written_file(tmp_path: Path, by:
     text = """
 import time
 from modrobust.cli import main
-from modrobust import simulation
+from modrobust.simulation import run
 from modrobust.checks import replacing
 
 def slow(*_, **__):
@@ -103,7 +103,7 @@ def slow(*_, **__):
         print("half", flush=True)
         time.sleep(60)
 
-simulation.simulate = slow
+run.simulate = slow
 main()
 """
     process = subprocess.Popen(
@@ -114,7 +114,7 @@ main()
     )
     try:
         assert process.stdout is not None
-        assert process.stdout.readline() == "half\n"
+        assert "half\n" in iter(process.stdout.readline, "")  # after the heading
         assert len(os.listdir(tmp_path)) == 1
         process.send_signal(by)
         assert process.wait(timeout=30) == 128 + by

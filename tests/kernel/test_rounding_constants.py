@@ -150,5 +150,5 @@ def test_a_changed_count_changes_a_constant(monkeypatch: pytest.MonkeyPatch) -> 
     original, base = counted(), derived()
     for name in original:
         halved = {**original, name: original[name] // 2}
-        monkeypatch.setattr("test_rounding_constants.counted", lambda halved=halved: halved)
+        monkeypatch.setitem(globals(), "counted", lambda halved=halved: halved)
         assert derived() != base, name

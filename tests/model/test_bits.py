@@ -43,7 +43,9 @@ BESIDE = {
     "simulation.result",
 }
 TRANSFORMS = {  # their @ is that of `Transform`
+    "assembly.construction",
     "assembly.load",
+    "assembly.options",
     "assembly.urdf.robot",
     "assembly.urdf.tree",
     "model.dh",
@@ -109,8 +111,8 @@ def environments() -> dict[str, dict[str, str]]:
 
 
 def test_every_code_path_of_the_libraries_gives_the_same_bits(tmp_path: Path) -> None:
-    command = [sys.executable, "-W", "ignore", "-c",
-               "import sys; from model import test_bits; test_bits.main(sys.argv[1])", tmp_path]  # fmt: skip
+    program = "import sys; from model import test_bits; test_bits.main(sys.argv[1])"
+    command = [sys.executable, "-W", "ignore", "-c", program, tmp_path]
     expected = [f"{k}: {hashlib.sha256(v).hexdigest()}" for k, v in packed(tmp_path).items()]
     for name, variables in environments().items():
         answer = subprocess.run(

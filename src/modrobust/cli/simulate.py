@@ -42,8 +42,9 @@ Examples:
   modrobust simulate lwa4p-payload --plant mujoco --control-rate 3kHz
 
 \b
---duration does not change the motion: a shorter run is its first part, and epsilon is not
-judged then; in a longer one the last pose is held.
+--duration does not change the motion: a shorter run is its first part, and
+epsilon is not judged then; in a longer one the last pose is held.
+
 Ctrl-C ends a run early: what was computed is shown and saved, the exit code is 130.
 The exit code is 1 when a bound is violated, the loop diverges, the tracking error does not
 stay below epsilon, or a torque exceeds its limit. Remarks at the end (a torque that shakes, a

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import modrobust as mr
+from modrobust.cli.wording import as_options
 from modrobust.errors import DescriptionError, SeveralFaultsError
 from support.urdf_texts import INERTIA, INERTIAL, LIMIT, joint, link, robot, written
 
@@ -38,8 +39,8 @@ without the unit; correct it
 small.urdf:6: link a b, mass: -2 kg is negative; a body's mass is at least 0; correct it
 small.urdf:7: joint j3, limits: lower and upper limit are both 0; such a joint cannot move; \
 correct them, write type="continuous" if it turns without end, or freeze it (lock: {j3: 0})
-small.urdf:8: link turned, inertia.yy: -0.09 kg m^2 is negative; a moment of inertia is at least 0; \
-check the figures and the reference point ("about")
+small.urdf:8: link turned, inertia.yy: -0.09 kg m^2 is negative; a moment of inertia is at \
+least 0; check the figures and the reference point ("about")
 An assembly file over this URDF can give what is open:
 links:
   no-mass: {mass: ... kg}
@@ -67,7 +68,7 @@ def test_all_faults_are_told_with_their_lines_and_an_overlay(
         text=True,
         check=False,
     )
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", TOLD + "\n")
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", as_options(TOLD) + "\n")
 
 
 def test_the_overlay_filled_in_and_pasted_mends_the_robot(tmp_path: Path) -> None:
