@@ -16,6 +16,7 @@ import sys
 import tarfile
 import tomllib
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -28,8 +29,12 @@ print(sysconfig.get_path("include"))
 NAMED = "from importlib.metadata import version; import modrobust; print(version('modrobust'))"
 
 
+class DistError(Exception):
+    """A step that failed, with what it printed."""
+
+
 def run(*command: str | Path, cwd: Path = ROOT, **changes: str) -> str:
-    """What a command prints; its output and the end of this process where it fails."""
+    """What a command prints."""
     done = subprocess.run(
         [str(word) for word in command],
         cwd=cwd,
@@ -40,8 +45,8 @@ def run(*command: str | Path, cwd: Path = ROOT, **changes: str) -> str:
         check=False,
     )
     if done.returncode != 0:
-        print(done.stdout)
-        sys.exit(f"dist: {' '.join(map(str, command))}: exit code {done.returncode}")
+        line = " ".join(map(str, command))
+        raise DistError(f"{line}: exit code {done.returncode}\n{done.stdout}")
     return done.stdout
 
 
@@ -97,7 +102,7 @@ def build_wheel(python: Path, source: Path, raw: Path, out: Path) -> Path:
     run(tools / "auditwheel", "repair", "--plat", "auto", "--wheel-dir", out, made, PATH=path)
     (repaired,) = out.glob(f"{made.name.rsplit('-', 1)[0]}-*.whl")
     if "manylinux" not in repaired.name:
-        sys.exit(f"dist: {repaired.name}: the tag is not one of manylinux")
+        raise DistError(f"{repaired.name}: the tag is not one of manylinux")
     return repaired
 
 
@@ -122,26 +127,39 @@ def without_compiler(python: Path) -> dict[str, str]:
 
 def main(out: Path) -> None:
     if not sys.platform.startswith("linux"):
-        sys.exit("dist: a manylinux wheel is built on Linux")
+        raise DistError("a manylinux wheel is built on Linux")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     major, minor = project["requires-python"].removeprefix(">=").split(".")
     for folder in (out, WORK):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
-    made = [sdist := build_sdist(out)]
+    sdist = build_sdist(out)
     with tarfile.open(sdist) as archive:
         archive.extractall(WORK, filter="data")
     source = WORK / sdist.name.removesuffix(".tar.gz")
-    for tag, installed in pythons((int(major), int(minor))).items():
+
+    def wheel_of(tag: str, installed: Path) -> Path:
         python = fresh(installed, WORK / tag)
         wheel = build_wheel(python, source, WORK / f"raw-{tag}", out)
         version = try_out(python, wheel, **without_compiler(python))
         if version != project["version"]:
-            sys.exit(f"dist: {wheel.name}: calls itself {version}")
-        made.append(wheel)
-    try_out(fresh(Path(sys.executable), WORK / "sdist"), sdist)
-    for path in made:
+            raise DistError(f"{wheel.name}: calls itself {version}")
+        return wheel
+
+    def sdist_again() -> Path:
+        try_out(fresh(Path(sys.executable), WORK / "sdist"), sdist)
+        return sdist
+
+    found = pythons((int(major), int(minor)))
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        jobs = [pool.submit(wheel_of, *item) for item in found.items()]
+        jobs.append(pool.submit(sdist_again))
+    for job in jobs:
+        path = job.result()
         print(f"{path.relative_to(ROOT)}  {path.stat().st_size / 1024:.0f} KiB, installed and run")
 
 
-main((ROOT / (sys.argv[1] if len(sys.argv) > 1 else "dist")).resolve())
+try:
+    main((ROOT / (sys.argv[1] if len(sys.argv) > 1 else "dist")).resolve())
+except DistError as problem:
+    sys.exit(f"dist: {problem}")
