@@ -1,5 +1,7 @@
-# make demo: the paper's case from nothing.  make test: the whole suite.  make lint, build, clean.
+# make demo: the paper's case from nothing.  make test: the whole suite.  make lint, format, clean.
 # make docs: the manual, in build/site; make docs-outputs: its commands' outputs, made again.
+# make coverage: the whole suite, and what of the Python and of the C it leaves out.
+# make dist: sdist and a wheel for each Python here, each tried in an empty environment.
 # make fuzz: both fuzz targets for FUZZ_SECONDS each; what they learn and find stays in build/fuzz.
 PYTHON ?= python3
 VENV := .venv
@@ -14,27 +16,68 @@ REQUIRES := import tomllib; \
 DOCS := import tomllib; \
   print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["docs"], sep="\n")
 
+C_FILES := $(sort $(shell find src tests -name '*.[ch]' -o -name '*.cpp'))
+# Tests that drive the kernel and its binding: those that gcov counts, on code as it is written.
+C_TESTS := $(foreach name,arguments batch binding bounds compilers control controller errors followers \
+  forward_dynamics forward_kinematics inverse_dynamics kernel_errors loop mass_matrix mimic rounding \
+  sincos slack unsound_input,$(shell find tests -name test_$(name).py))
+COVERED := build/coverage
+PACKAGES := $(abspath $(VENV))/lib/python*/site-packages
+PARALLEL := -n auto --dist worksteal
+
 .DELETE_ON_ERROR:
-.PHONY: demo test lint format build docs docs-outputs fuzz clean
+.PHONY: demo test lint format coverage coverage-python coverage-c dist docs docs-outputs fuzz clean
 
 demo: $(VENV)/.installed
 	$(BIN)/modrobust simulate lwa4p-paper --scenario 1
 
 test: $(VENV)/.installed-test
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(PARALLEL)
 
 lint: $(VENV)/.installed-test
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/clang-format --dry-run --Werror $(C_FILES)
 
 format: $(VENV)/.installed-test
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+	$(BIN)/clang-format -i $(C_FILES)
 
-build: $(VENV)/.tools
-	rm -rf dist
-	$(BIN)/pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
+coverage: coverage-python coverage-c
+
+# The whole suite; its command-line runs and pytest's workers count too.
+coverage-python: $(VENV)/.installed-test
+	rm -rf $(COVERED)/python*
+	mkdir -p $(COVERED)
+	PYTHONPATH=tools $(BIN)/coverage run -m pytest -p patient_workers $(PARALLEL)
+	$(BIN)/coverage combine --quiet
+	$(BIN)/coverage report --fail-under=0 --show-missing > $(COVERED)/python.txt
+	$(BIN)/coverage report
+	@echo "What of the Python is left out: $(COVERED)/python.txt"
+
+# The extension once more, in an environment of its own that borrows the other packages.
+coverage-c: $(VENV)/.installed-test
+	rm -rf $(COVERED)/c $(COVERED)/c.txt
+	$(BIN)/python -m venv $(COVERED)/c
+	ls -d $(PACKAGES) $(PACKAGES)/cmeel.prefix/lib/python*/site-packages > $(COVERED)/borrowed.pth
+	mv $(COVERED)/borrowed.pth $(COVERED)/c/lib/python*/site-packages
+	PATH="$(abspath $(BIN)):$$PATH" $(COVERED)/c/bin/python -m pip install --quiet --no-deps \
+	  --no-build-isolation --config-settings=build-dir=$(COVERED)/c/objects \
+	  --config-settings=cmake.build-type=Debug \
+	  --config-settings=cmake.define.MODROBUST_COVERAGE=ON .
+	PYTHONPATH=tools $(COVERED)/c/bin/python -m pytest --quiet -p patient_workers $(PARALLEL) \
+	  -k "not a_build_computes" $(C_TESTS)
+	$(BIN)/gcovr --root . --filter src/ --exclude-throw-branches --merge-lines \
+	  --merge-mode-functions=separate --txt-metric line --txt-metric branch \
+	  --fail-under-line 98 --fail-under-branch 92 --txt $(COVERED)/c.txt $(COVERED)/c/objects; \
+	  status=$$?; cut -c 1-98 $(COVERED)/c.txt; exit $$status
+	@echo "What of the C and C++ is left out: $(COVERED)/c.txt"
+
+# The last tests of .ci/run drive the command of build/dist/cp311 and its like.
+dist: $(VENV)/.installed-test
+	$(BIN)/python tools/dist.py
 
 docs: $(VENV)/.installed-docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict

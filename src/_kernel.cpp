@@ -324,13 +324,18 @@ Out bounds_slack(const Model &model, const Vec &nominal, const Vec &lower, const
     return numpy(std::move(out), {model.n()});
 }
 
+// The two rows of a disturbance, looked at before anything reads them.
+const double *rows_of(const Mat &disturbance, const Model &model) {
+    require(disturbance.shape(0) == 2 && disturbance.shape(1) == model.n(),
+            "disturbance: expected shape (2, n)");
+    return disturbance.data();
+}
+
 Out perturbation_bounds(const Model &model, const Vec &nominal, const Vec &lower,
                         const Vec &upper, const Mat &disturbance, const Vec &q, const Vec &dq,
                         const Vec &dq_a, const Vec &ddq_a, int method) {
     require_state(model, q, dq, dq_a, ddq_a);
-    require(disturbance.shape(0) == 2 && disturbance.shape(1) == model.n(),
-            "disturbance: expected shape (2, n)");
-    const Bounds bounds(model, nominal, lower, upper, disturbance.data());
+    const Bounds bounds(model, nominal, lower, upper, rows_of(disturbance, model));
     Doubles workspace(mr_workspace_size(&model.c)), u0(model.n()), out(2 * model.n());
     check(mr_perturbation_bounds(&model.c, &bounds.c, method_of(method), q.data(), dq.data(),
                                  dq_a.data(), ddq_a.data(), workspace.data(), u0.data(),
@@ -413,11 +418,9 @@ class Controller {
                double phi_P, double phi_I, double epsilon, int law, int method)
         : owner(model_object), model(nb::cast<Model &>(model_object)), arrays{
               nominal, lower, upper, K_r}, disturbances(disturbance),
-          bounds(model, nominal, lower, upper, disturbance.data()) {
+          bounds(model, nominal, lower, upper, rows_of(disturbance, model)) {
         model.require_joints(K_r, "K_r");
         require(law == MR_LAW_NORM, "law: 0 (norm)");
-        require(disturbance.shape(0) == 2 && disturbance.shape(1) == model.n(),
-                "disturbance: expected shape (2, n)");
         gains = {arrays[3].data(), kappa_P, kappa_I, phi_P,
                  phi_I, epsilon, static_cast<mr_law>(law), method_of(method)};
         workspace.resize(mr_workspace_size(&model.c));

@@ -2,9 +2,11 @@
 #include "mr_internal.h"
 
 /* Memory of the loop beyond that of the dynamics, in arrays of n. */
+/* clang-format off */
 enum { TAU, NOMINAL, V, PHI_LO, PHI_HI, RHO, W, W_ERROR, SPARE_LO, SPARE_HI,
        DQ_A, DDQ_A, DQ_A_SIZE, DDQ_A_SIZE, /* as mr_auxiliary fills them */
        DRIVE, Q0, DQ0, Q1, DQ1, K_DQ, K_DDQ, SUM_DQ, SUM_DDQ, ARRAYS };
+/* clang-format on */
 
 size_t mr_loop_workspace_size(const mr_model *model) {
     return mr_dynamics_workspace_size(model) + (size_t)ARRAYS * (size_t)model->n +
