@@ -129,7 +129,7 @@ def main() -> None:
     robot = mr.load_robot("lwa4p-paper")
     cpp, shipped, compilers = in_cpp(robot)
     gcc = next(iter(cpp.values()))
-    slow = {method: worst_case.measured(robot, method) for method in ("hull", "ianea")}
+    slow = {bound: worst_case.measured(robot, bound) for bound in ("hull", "ianea")}
     columns = growth.measured()
     versions = ", ".join(
         f"{name} {importlib.metadata.version(name)}" for name in ("pin", "numpy", "modrobust")

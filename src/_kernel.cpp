@@ -206,7 +206,7 @@ class Bounds {
 };
 
 mr_method method_of(int method) {
-    require(method == MR_HULL || method == MR_IANEA, "method: 0 (hull) or 1 (ianea)");
+    require(method == MR_HULL || method == MR_IANEA, "bound: 0 (hull) or 1 (ianea)");
     return static_cast<mr_method>(method);
 }
 
@@ -626,16 +626,16 @@ NB_MODULE(_kernel, m) {
     m.def("inverse_dynamics", &inverse_dynamics, "model"_a, "parameters"_a, "q"_a, "dq"_a,
           "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("inverse_dynamics_bounds", &inverse_dynamics_bounds, "model"_a, "nominal"_a, "lower"_a,
-          "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "method"_a, "drives"_a);
+          "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "bound"_a, "drives"_a);
     m.def("inverse_dynamics_bounds_batch", &inverse_dynamics_bounds_batch, "model"_a,
-          "nominal"_a, "lower"_a, "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "method"_a,
+          "nominal"_a, "lower"_a, "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "bound"_a,
           "drives"_a, "threads"_a);
     m.def("inverse_dynamics_rounding", &inverse_dynamics_rounding, "model"_a, "parameters"_a,
           "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("bounds_slack", &bounds_slack, "model"_a, "nominal"_a, "lower"_a, "upper"_a, "q"_a,
           "dq"_a, "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("perturbation_bounds", &perturbation_bounds, "model"_a, "nominal"_a, "lower"_a,
-          "upper"_a, "disturbance"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "method"_a);
+          "upper"_a, "disturbance"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "bound"_a);
     m.def("mass_matrix", &mass_matrix, "model"_a, "parameters"_a, "q"_a, "drives"_a);
     m.def("forward_dynamics", &forward_dynamics, "model"_a, "parameters"_a, "q"_a, "dq"_a,
           "tau"_a, "drives"_a);
@@ -645,7 +645,7 @@ NB_MODULE(_kernel, m) {
         .def(nb::init<nb::object, const Vec &, const Vec &, const Vec &, const Mat &, const Vec &,
                       double, double, double, double, double, int, int>(),
              "model"_a, "nominal"_a, "lower"_a, "upper"_a, "disturbance"_a, "K_r"_a, "kappa_P"_a,
-             "kappa_I"_a, "phi_P"_a, "phi_I"_a, "epsilon"_a, "law"_a, "method"_a)
+             "kappa_I"_a, "phi_P"_a, "phi_I"_a, "epsilon"_a, "law"_a, "bound"_a)
         .def("command", &Controller::command, "t"_a, "q"_a, "dq"_a, "q_des"_a, "dq_des"_a,
              "ddq_des"_a)
         .def("torque", &Controller::torque, "integral"_a, "q"_a, "dq"_a, "q_des"_a, "dq_des"_a,

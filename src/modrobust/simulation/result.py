@@ -92,7 +92,7 @@ class SimulationResult:
     w: Array
     """Perturbation that the true parameters make, (6)."""
     phi_lo: Array
-    """Lower bound of w with the run's own method, (12)."""
+    """Lower bound of w by the run's own ``bound``, (12)."""
     phi_hi: Array
     rho: Array
     width_hull: Array

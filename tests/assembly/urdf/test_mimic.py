@@ -90,12 +90,12 @@ def test_forward_dynamics_inverts_inverse_dynamics(pair: Any) -> None:
         np.testing.assert_allclose(mr.forward_dynamics(tied, q, dq, tau), ddq, atol=1e-8)
 
 
-@pytest.mark.parametrize("method", ["hull", "ianea"])
-def test_bounds_hold_every_sample_and_corner(pair: Any, method: str) -> None:
+@pytest.mark.parametrize("bound", ["hull", "ianea"])
+def test_bounds_hold_every_sample_and_corner(pair: Any, bound: str) -> None:
     _, tied = pair
     rng = np.random.default_rng(5)
     for free, _ in states(tied, 2):
-        lo, hi = mr.inverse_dynamics_bounds(tied, *free, method=method)
+        lo, hi = mr.inverse_dynamics_bounds(tied, *free, bound=bound)
         margin = 1e-12 * np.abs([lo, hi]).max()
         for _ in range(20):
             for point in (tied.sample_parameters(rng), tied.corner_parameters(rng)):

@@ -121,7 +121,7 @@ def data(values: Any) -> bytes:
 
 
 def by_model(model: _kernel.Model, box: tuple[Any, ...], state: Any) -> bytes:
-    """What tells two models apart: torques and both bounds."""
+    """What tells two models apart: torques and both kinds of bound."""
     tau = _kernel.inverse_dynamics(model, box[0], *state, True)
     bounds = [
         _kernel.inverse_dynamics_bounds(model, *box, *state, code, True)

@@ -13,7 +13,7 @@ from modrobust.bench.peers.cases import States, random_states, uncertain_everywh
 from modrobust.bench.peers.compile import Announce, CompilerError, program, toolchain
 from modrobust.bench.peers.timing import Comparison, Timing
 from modrobust.errors import ValueRangeError
-from modrobust.kernel import METHODS
+from modrobust.kernel import BOUNDS
 from modrobust.model import Robot
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ class Subject:
     name: str
     kind: str
     box: int = 0
-    method: str = "hull"
+    bound: str = "hull"
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ def _job(
         yield _doubles(array)
     yield _integers([len(subjects)])
     for subject in subjects:
-        yield _integers([KINDS.index(subject.kind), subject.box, METHODS[subject.method]])
+        yield _integers([KINDS.index(subject.kind), subject.box, BOUNDS[subject.bound]])
     yield _integers(counts)
 
 

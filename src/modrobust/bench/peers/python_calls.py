@@ -105,9 +105,9 @@ def _ours(robot: Robot, s: States) -> dict[str, Callable[[], None]]:
         for q, dq, a in zip(s.q, s.dq, s.ddq_des, strict=True):
             inverse_dynamics(robot, q, dq, dq, a)
 
-    def bounds(method: str) -> None:
+    def bounds(bound: str) -> None:
         for q, dq, dq_a, a in zip(s.q, s.dq, s.dq_des, s.ddq_des, strict=True):
-            inverse_dynamics_bounds(everywhere, q, dq, dq_a, a, method)
+            inverse_dynamics_bounds(everywhere, q, dq, dq_a, a, bound)
 
     def command(bound: str) -> None:
         controller = RobustController(everywhere, bound=bound)
