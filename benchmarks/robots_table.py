@@ -131,7 +131,7 @@ For the table each robot gets the same uncertainty and the same gains, none tune
 
 {markdown(HEAD, rows)}
 
-Joints: free ones + those that follow another. Load: the file alone, the shortest of three;
+Joints: free ones + mimic joints. Load: the file alone, the shortest of three;
 xacro is expanded in a process of its own (px100 to wx250s).
 Command: the whole law in C, the median over the run's states; the run itself uses `hull`.
 ianea/hull: width of [Phi], the median over joints and {STATES} random states. Errors are norms over

@@ -94,14 +94,14 @@ class Model {
           abouts(ints(inertia_about)), ratios(doubles(gear_ratio)), speeds(doubles(coulomb_speed)),
           moved(ints(moves)), leaders(ints(leader)), multipliers(doubles(multiplier)),
           offsets(doubles(offset)), wrapping(ints(wraps)) {
-        const size_t j = types.size(), b = joints.size(), followers = leaders.size();
-        require(j > followers && parents.size() == j && befores.size() == j &&
+        const size_t j = types.size(), b = joints.size(), mimic_joints = leaders.size();
+        require(j > mimic_joints && parents.size() == j && befores.size() == j &&
                     afters.size() == j && ratios.size() == j && speeds.size() == j &&
                     placements.size() == b && abouts.size() == b && gravity.size() == 3 &&
                     moved.size() == j &&
-                    multipliers.size() == followers && offsets.size() == followers,
+                    multipliers.size() == mimic_joints && offsets.size() == mimic_joints,
                 "Model: arrays of joints and bodies differ in length");
-        const size_t free = j - followers;
+        const size_t free = j - mimic_joints;
         for (int32_t l : leaders)
             require(l >= 0 && l < static_cast<int32_t>(free), "Model: a leader is a free joint");
         std::vector<int32_t> once(moved);
@@ -120,11 +120,11 @@ class Model {
         for (size_t i = 0; i < free; ++i)
             require(!wrapping[i] || types[static_cast<size_t>(moved[i])] == MR_REVOLUTE,
                     "Model: a joint that slides wraps");
-        for (size_t k = 0; k < followers; ++k)
+        for (size_t k = 0; k < mimic_joints; ++k)
             require(!wrapping[static_cast<size_t>(leaders[k])] ||
                         (types[static_cast<size_t>(moved[free + k])] == MR_REVOLUTE &&
                          multipliers[k] == std::nearbyint(multipliers[k])),
-                    "Model: a joint wraps whose followers do not turn by whole turns with it");
+                    "Model: a joint wraps whose mimic joints do not turn by whole turns with it");
         for (int32_t joint : joints)
             require(joint >= -1 && joint < static_cast<int32_t>(j),
                     "Model: a body's joint must exist");

@@ -286,7 +286,7 @@ def forward_kinematics(robot: Robot, q: ArrayLike) -> Array:
         q: Joint positions (n,) [rad].
 
     Returns:
-        Homogeneous transforms (j, 4, 4), link to base [m]; j = n but for joints that follow others.
+        Homogeneous transforms (j, 4, 4), link to base [m]; j = n but for mimic joints.
 
     Raises:
         ShapeError: q does not have n entries.

@@ -53,7 +53,7 @@ def test_the_job_holds_the_very_doubles_in_the_order_of_the_program() -> None:
     robot = tied(random_robot(rng, 4, tree=True), 3, rng)
     s = random_states(robot, 2)
     job = list(native._job([robot], s, [Subject("", "command", 0, "ianea")], (7, 2)))
-    f, c, d = robot.followers, robot.controller, robot.disturbance
+    f, c, d = robot.mimic, robot.controller, robot.disturbance
 
     def flat(T: Any) -> list[float]:
         return np.ravel([[*t[:3, :3].ravel(), *t[:3, 3]] for t in T]).tolist()
@@ -174,9 +174,9 @@ def test_times_of_robots_that_differ_are_not_compared(
         numpy_transcription(arm, states=2)
 
 
-def test_joints_that_follow_others_are_refused() -> None:
+def test_mimic_joints_are_refused() -> None:
     rng = np.random.default_rng(0)
-    with pytest.raises(ValueRangeError, match="2 joints follow others"):
+    with pytest.raises(ValueRangeError, match="2 mimic joints"):
         compare_with_peers(tied(random_robot(rng, 5), 3, rng))
 
 

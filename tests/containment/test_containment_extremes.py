@@ -52,8 +52,8 @@ def test_underflow_times_great_speeds_and_masses(tmp_path: Path, bound: str, mas
     assert holds(bounds, 1, -mass * Fraction(fast) ** 2 * Fraction(way))
 
 
-def follower(folder: Path, multipliers: list[float], overlay: str = "") -> mr.Robot:
-    """Prismatic joints beside each other that follow the first."""
+def mimic_joint(folder: Path, multipliers: list[float], overlay: str = "") -> mr.Robot:
+    """Prismatic joints beside each other that mimic the first."""
     axis = '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
     joints, links = [], ['<link name="base"/>']
     for k, multiplier in enumerate([None, *multipliers]):
@@ -71,7 +71,7 @@ def follower(folder: Path, multipliers: list[float], overlay: str = "") -> mr.Ro
 
 @pytest.mark.parametrize("bound", ["hull", "ianea"])
 def test_underflow_of_the_law_times_a_great_multiplier(tmp_path: Path, bound: str) -> None:
-    robot = follower(tmp_path, [1e40], "controller: {K_r: 0.25}\n")
+    robot = mimic_joint(tmp_path, [1e40], "controller: {K_r: 0.25}\n")
     controller = mr.RobustController(robot, bound=bound)
     command = controller.command(0.0, [0], [5e-324], [0], [0], [0])
     needed = (1 + Fraction(10) ** 80) * (-Fraction(5e-324) / 4)
@@ -80,7 +80,7 @@ def test_underflow_of_the_law_times_a_great_multiplier(tmp_path: Path, bound: st
 
 
 @pytest.mark.parametrize("bound", ["hull", "ianea"])
-def test_the_friction_of_a_hundred_followers(tmp_path: Path, bound: str) -> None:
+def test_the_friction_of_a_hundred_mimic_joints(tmp_path: Path, bound: str) -> None:
     """Each share is less than half a unit in the last place of the leader's."""
     share = 0.99 * 2.0**-53
     names = {f"j{k}": share for k in range(1, 101)}
@@ -88,7 +88,7 @@ def test_the_friction_of_a_hundred_followers(tmp_path: Path, bound: str) -> None
         f"  {name}: {{friction: {{viscous: {x!r}}}}}\n" for name, x in names.items()
     )
     overlay = f"joints:\n  j0: {{friction: {{viscous: 1}}}}\n{frictions}"
-    robot = follower(tmp_path, [1.0] * 100, overlay)
+    robot = mimic_joint(tmp_path, [1.0] * 100, overlay)
     bounds = mr.inverse_dynamics_bounds(robot, [0], [1], [1], [0], bound=bound)
     assert holds(bounds, 0, 1 + 100 * Fraction(share))
 

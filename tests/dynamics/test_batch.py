@@ -68,13 +68,13 @@ def test_a_batch_has_the_bits_of_the_single_call(shape: dict[str, Any], bound: s
 
 
 @pytest.mark.parametrize("bound", BOUNDS)
-def test_a_batch_has_the_bits_of_the_single_call_where_joints_follow_others(bound: str) -> None:
+def test_a_batch_has_the_bits_of_the_single_call_where_mimic_joints_move(bound: str) -> None:
     rng = np.random.default_rng(2)
     shapes = ({"types": "rprpr"}, {"n": 8, "tree": True}, {"types": "rrprr"})
     for shape, anywhere in zip(shapes, (False, False, True), strict=True):
         robot = tied(random_robot(rng, **shape), 3, rng, anywhere)  # type: ignore[arg-type]
         rows = states(rng, 100, robot.n)
-        rows[0] *= 0.1  # a follower turns up to twice as far
+        rows[0] *= 0.1  # a mimic joint turns up to twice as far
         bounds = mr.inverse_dynamics_bounds_batch(robot, *rows, bound=bound, threads=2)
         np.testing.assert_array_equal(bounds, one_by_one(robot, rows, bound, True))
 

@@ -25,7 +25,7 @@ def robot(request: pytest.FixtureRequest) -> Robot:
 def test_a_builtin_robot_agrees_with_the_oracles(robot: Robot) -> None:
     rng = np.random.default_rng(1)
     state = random_state(rng, robot.n)
-    free, G = freed(robot)  # (15): the oracles know no joints that follow others
+    free, G = freed(robot)  # (15): the oracles know no mimic joints
     full = [robot.all_positions(state[0]), *(G @ x for x in state[1:])]
     tau = mr.inverse_dynamics(robot, *state)
     expected = G.T @ newton_euler(free, free.nominal, *full, drives=True)

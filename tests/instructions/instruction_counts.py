@@ -101,7 +101,7 @@ def transforms(name: str, T: Any) -> str:
 
 def data(robot: mr.Robot, bound: str, rate: float) -> str:
     """command_data.h: the robot, its box and gains, and signals at fixed random states."""
-    f, d, c = robot.followers, robot.disturbance, robot.controller
+    f, d, c = robot.mimic, robot.disturbance, robot.controller
     b, j = robot.b, robot.j
     x, y, z = (row * g for row, g in zip(robot.base[:3, :3], robot.gravity, strict=True))
     points = {"nominal": robot.nominal, "lower": robot.lower, "upper": robot.upper}

@@ -31,7 +31,7 @@ def paper() -> Robot:
 
 @pytest.fixture(scope="module")
 def runs(paper: Robot) -> dict[tuple[str, str], SimulationResult]:
-    """Ten seconds of both scenarios of Table II with both kinds of bound; the loop releases the GIL."""
+    """Ten seconds of both scenarios of Table II with both bounds; the loop releases the GIL."""
 
     def run(case: tuple[str, str]) -> SimulationResult:
         return simulate(paper, scenario=case[0], bound=case[1])

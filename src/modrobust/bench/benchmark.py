@@ -259,7 +259,7 @@ def random_tightness(
 
 @own_environment()
 def trajectory_tightness(run: SimulationResult, states: int = 1000) -> Tightness:
-    """Widths of [Phi] by both kinds of bound, and found by search, at up to so many states of a run.
+    """Widths of [Phi] of both kinds and found by search, at up to so many states of a run.
 
     The states are evenly spaced among those in which every joint moves (all, if none is such):
     about standstill a bound holds for true Coulomb friction too, which the search does not try.

@@ -60,7 +60,7 @@ static mr_interval drive_box(const mr_model *model, const mr_bounds *bounds,
     const mr_interval rotor_box = {MR_SPLAT(l->rotor_inertia[i] - rotor),
                                    MR_SPLAT(h->rotor_inertia[i] - rotor)};
     /* the square of a gear ratio that is written in decimals, times ddq_a: less than 8 u of its
-     * terms; a follower's rate, 2 u; and what underflow may take from both */
+     * terms; a mimic joint's rate, 2 u; and what underflow may take from both */
     const double most = h->rotor_inertia[i], gear = reflected(model, i);
     const MR_REAL error = 0x1p-50 * (gear * most * ddq_a_size) +
                           0x1p-51 * (h->viscous[i] * MR_ABS(dq)) +

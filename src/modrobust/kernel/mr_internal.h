@@ -148,7 +148,7 @@ typedef struct {
     MR_REAL a;        /* the acceleration of every link's origin, likewise */
     MR_REAL out;      /* what prismatic joints add to any way */
     MR_REAL under;    /* what underflow may change in an acceleration or a lever's moment */
-    MR_REAL followed; /* sum of what the followers' angles are off, in units of u */
+    MR_REAL mimic_angle; /* sum of what the mimic joints' angles are off, in units of u */
 } mr_motion_size;
 
 /* Joint and link seen from the base frame, for the hull. */
@@ -183,7 +183,7 @@ typedef struct {
     double *point;      /* (MR_POINT, b padded) */
     MR_REAL *lo, *hi, *mid, *slack; /* (j padded) results before they are known to be finite */
     MR_REAL *dq_a, *ddq_a, *dq_a_size, *ddq_a_size; /* (j padded) of (4) */
-    MR_REAL *full[6];   /* (j padded) the state with its followers */
+    MR_REAL *full[6];   /* (j padded) the state with its mimic joints */
 } mr_workspace;
 
 mr_workspace mr_workspace_view(const mr_model *model, double *memory);
@@ -195,17 +195,17 @@ static inline int mr_all_finite(int32_t n, const double *x) {
     return !odd;
 }
 
-/* Copies the state and adds positions, velocities and accelerations of the followers, (15);
- * without followers only the positions are copied, which are read in registers. */
-void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]);
+/* Copies the state and adds positions, velocities and accelerations of the mimic joints, (15);
+ * without mimic joints only the positions are copied, which are read in registers. */
+void mr_expand_mimic(const mr_model *model, mr_state *state, MR_REAL *const full[6]);
 
-/* Checks the n entries of each vector and adds those of the followers. */
+/* Checks the n entries of each vector and adds those of the mimic joints. */
 mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const mr_state *given,
                         mr_state *state);
 
-/* Adds the followers' torques to those of their leaders, (15): from (j) to (n) in place. */
-void mr_lead(const mr_model *model, MR_REAL *tau);
-void mr_lead_box(const mr_model *model, MR_REAL *lo, MR_REAL *hi);
+/* Adds the mimic joints' torques to those of their leaders, (15): from (j) to (n) in place. */
+void mr_fold_mimic_torque(const mr_model *model, MR_REAL *tau);
+void mr_fold_mimic_box(const mr_model *model, MR_REAL *lo, MR_REAL *hi);
 
 void mr_sine_cosine(mr_lane x, mr_lane *sine, mr_lane *cosine);
 

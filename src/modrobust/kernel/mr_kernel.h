@@ -47,9 +47,9 @@ typedef struct {
 } mr_transform;
 
 /* Geometry of a robot with b bodies and j joints, (14). parent[i] < i, -1 is the base. n joints
- * move freely; the j - n others follow one of them, (15): every vector of positions, velocities,
+ * move freely; the j - n others mimic one of them, (15): every vector of positions, velocities,
  * accelerations and torques has n entries, every array of joint data has j. A revolute joint that
- * wraps may be turned endlessly: its followers shall then be revolute and their multipliers whole. */
+ * wraps may be turned endlessly: its mimic joints shall then be revolute and their multipliers whole. */
 typedef struct {
     int32_t n;
     int32_t j;
@@ -61,8 +61,8 @@ typedef struct {
     const double *gear_ratio;      /* (j) */
     const double *coulomb_speed;   /* (j) v_c of (20) [rad/s] or [m/s] */
     const int32_t *moves;          /* (j) joint that entry i of a vector moves, ascending; then the
-                                    * joints that follow; not read where all joints are free */
-    const int32_t *leader;         /* (j - n) entry of a vector that joint moves[n + k] follows */
+                                    * mimic joints; not read where all joints are free */
+    const int32_t *leader;         /* (j - n) entry of a vector that joint moves[n + k] mimics */
     const double *multiplier;      /* (j - n) */
     const double *offset;          /* (j - n) [rad] or [m] */
     const int32_t *body_joint;     /* (b) joint that moves the body, -1 is the base */

@@ -1,7 +1,7 @@
 /* Forward recursion of Algorithm 1 on T_i = before_i J_i(q_i) after_i, (14). */
 #include "mr_internal.h"
 
-void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]) {
+void mr_expand_mimic(const mr_model *model, mr_state *state, MR_REAL *const full[6]) {
     const int32_t n = model->n;
     const MR_REAL *given[6] = {state->q,     state->dq,        state->dq_a,
                                state->ddq_a, state->dq_a_size, state->ddq_a_size};
@@ -15,16 +15,16 @@ void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]) {
         for (int32_t i = 0; i < n; ++i) full[v][model->moves[i]] = given[v][i];
         for (int32_t k = 0; k < model->j - n; ++k) {
             const double factor = v < 4 ? model->multiplier[k] : fabs(model->multiplier[k]);
-            MR_REAL *const follower = &full[v][model->moves[n + k]];
-            *follower = factor * given[v][model->leader[k]];
-            if (v == 0) *follower += model->offset[k];
+            MR_REAL *const mimic_joint = &full[v][model->moves[n + k]];
+            *mimic_joint = factor * given[v][model->leader[k]];
+            if (v == 0) *mimic_joint += model->offset[k];
         }
     }
     *state = (mr_state){full[0], full[1], full[2], full[3], given[4] ? full[4] : NULL,
                         given[5] ? full[5] : NULL};
 }
 
-void mr_lead(const mr_model *model, MR_REAL *tau) {
+void mr_fold_mimic_torque(const mr_model *model, MR_REAL *tau) {
     const int32_t n = model->n, *moves = model->moves;
     if (model->j == n) return;
     for (int32_t k = 0; k < model->j - n; ++k)

@@ -56,9 +56,9 @@ mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state,
     MR_REAL dw = largest_norm(model, ws->motion + MR_DW * stride);
     MR_REAL a = largest_norm(model, ws->motion + MR_A * stride);
     MR_REAL turned = zero, v = zero, va = zero, dv = zero;
-    double followers = 1.0;
+    double multipliers = 1.0;
     mr_motion_size size;
-    size.followed = size.out = zero;
+    size.mimic_angle = size.out = zero;
     for (int32_t i = 0; i < model->j; ++i) {
         if (model->joint_type[i] == MR_REVOLUTE) {
             turned += MR_ABS(state->dq[i]);
@@ -78,18 +78,18 @@ mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state,
         }
     }
     for (int32_t k = 0; k < model->j - model->n; ++k) { /* before the sum may have cancelled */
-        const MR_REAL led = MR_ABS(state->q[model->moves[model->leader[k]]]);
-        const MR_REAL q = fabs(model->multiplier[k]) * led + fabs(model->offset[k]);
+        const MR_REAL leader = MR_ABS(state->q[model->moves[model->leader[k]]]);
+        const MR_REAL q = fabs(model->multiplier[k]) * leader + fabs(model->offset[k]);
         if (model->joint_type[model->moves[model->n + k]] == MR_REVOLUTE)
-            size.followed += 3.0 * q;
+            size.mimic_angle += 3.0 * q;
         else
             size.out += q;
-        followers += fabs(model->multiplier[k]);
+        multipliers += fabs(model->multiplier[k]);
     }
     a += fabs(g[0]) + fabs(g[1]) + fabs(g[2]);
     size.k = dw + 2.0 * ((w + turned) * wa);
     size.a = a + dv + v * wa + va * w;
-    size.under = (MR_UNDER * followers) * (1.0 + w + wa + turned + v + va + size.a + size.k);
+    size.under = (MR_UNDER * multipliers) * (1.0 + w + wa + turned + v + va + size.a + size.k);
     return size;
 }
 
@@ -98,7 +98,7 @@ void mr_rounding_slack(const mr_model *model, const mr_slack_factors *factors,
                        const mr_state *state, const mr_motion_size *size, MR_REAL *slack) {
     const MR_REAL way = (1.0 + factors->reach) + size->out, infinite = MR_SPLAT((double)INFINITY);
     const MR_REAL largest = way * (size->a + size->k * way); /* of products to come */
-    const MR_REAL grown = 1.0 + MR_FOLLOWED * size->followed;
+    const MR_REAL grown = 1.0 + MR_MIMIC_ANGLE * size->mimic_angle;
     const MR_REAL under = (size->under * way * way) * (1.0 + factors->heavy);
     const MR_MASK safe = (largest <= MR_HUGE) & (grown <= 0x1p20);
     const double drive_rate = MR_U * (MR_DRIVE + (model->j - model->n)); /* their sums too */

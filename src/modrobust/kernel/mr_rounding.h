@@ -38,10 +38,10 @@
 #define MR_SECOND_ORDER (1.0 + 0x1p-19)
 #define MR_RATE_MAX 0x1p-21
 
-#define MR_DRIVE 32.0 /* torque of a drive, and its part in the sums but those over followers */
+#define MR_DRIVE 32.0 /* torque of a drive, and its part in the sums but those over mimic joints */
 
-/* What a follower's angle can add to the whole: 3 turns to a rate of 156, or 7 to one of 683. */
-#define MR_FOLLOWED 0x1p-4
+/* What a mimic joint's angle can add to the whole: 3 turns to a rate of 156, or 7 to one of 683. */
+#define MR_MIMIC_ANGLE 0x1p-4
 
 /* More than all that underflow takes away, 2^-1075 at a time, before the factors that follow. */
 #define MR_UNDER 0x1p-1000

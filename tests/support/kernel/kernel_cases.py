@@ -11,7 +11,7 @@ import numpy as np
 import modrobust as mr
 from modrobust import _kernel
 from modrobust.model import Robot
-from support.kernel.native import GAINS, BOUNDS, Native
+from support.kernel.native import BOUNDS, GAINS, Native
 from support.random_robots import random_robot, random_state, tied
 
 State = tuple[Any, Any, Any, Any]
@@ -19,9 +19,9 @@ WIDTHS = ("exact", "narrow", "wide", "mixed")
 
 
 def robots(seed: int, count: int) -> Iterator[Robot]:
-    """Chains and trees of 1 to 9 joints, every second one with followers, boxes of every kind.
+    """Chains and trees of 1 to 9 joints, every second one with mimic joints, boxes of every kind.
 
-    Every third one has joints that wrap, unless their followers do not.
+    Every third one has joints that wrap, unless their mimic joints do not.
     """
     rng = np.random.default_rng(seed)
     for k in range(count):

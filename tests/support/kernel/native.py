@@ -188,7 +188,7 @@ class Native:
         self._lib, self._robot, self._memory = library, robot, memory
         for name in ("folded", "prepared", "workspace", "batch_workspace", "dynamics_workspace"):
             getattr(library, f"mr_{name}_size").restype = c_size_t
-        self.n, f = robot.n, robot.followers
+        self.n, f = robot.n, robot.mimic
         x, y, z = (row * g for row, g in zip(robot.base[:3, :3], robot.gravity, strict=True))
         self._model = Model(
             n=robot.n,

@@ -343,6 +343,6 @@ def _check_mimic(joint: Joint, joints: dict[str, Joint]) -> None:
             raise mimic.where.error(
                 f"joint {chain[-1]}, mimic",
                 f"joints that mimic each other in a circle: {' -> '.join([*chain, mimic.leader])}; "
-                "one of them leads; remove its <mimic>",
+                "one of them is the leader; remove its <mimic>",
             )
         chain.append(mimic.leader)

@@ -95,7 +95,7 @@ def pinocchio_cpp(
 
     Raises:
         MissingExtraError: A compiler, Pinocchio or Eigen is missing.
-        ValueRangeError: The robot has joints that follow others, which Pinocchio's algorithm
+        ValueRangeError: The robot has mimic joints, which Pinocchio's algorithm
             does not know; or the two libraries do not agree.
     """
     require_comparable(robot)
@@ -127,10 +127,10 @@ def pinocchio_cpp(
 
 
 def require_comparable(robot: Robot) -> None:
-    """Refuse joints that follow others: Pinocchio's algorithm leaves them free."""
+    """Refuse mimic joints: Pinocchio's algorithm leaves them free."""
     if robot.j != robot.n:
         raise ValueRangeError(
-            f"{robot.name}: {robot.j - robot.n} joints follow others; other libraries take them as "
+            f"{robot.name} has {robot.j - robot.n} mimic joints; other libraries take them as "
             "free, so that times cannot be compared. Lock them or choose a tip before them"
         )
 
@@ -153,7 +153,7 @@ def _job(
 ) -> Iterator[str]:
     """The job in the order in which program.c reads it."""
     robot, *_ = boxes
-    f, c = robot.followers, robot.controller
+    f, c = robot.mimic, robot.controller
     yield _integers([robot.n, robot.j, robot.b])
     yield _integers([kind == "prismatic" for kind in robot.joint_types])
     yield _integers(robot.parents)
