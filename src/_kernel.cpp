@@ -119,7 +119,7 @@ class Model {
         require(wrapping.size() == free, "Model: wraps has one entry a free joint");
         for (size_t i = 0; i < free; ++i)
             require(!wrapping[i] || types[static_cast<size_t>(moved[i])] == MR_REVOLUTE,
-                    "Model: a joint that slides wraps");
+                    "Model: a prismatic joint wraps");
         for (size_t k = 0; k < mimic_joints; ++k)
             require(!wrapping[static_cast<size_t>(leaders[k])] ||
                         (types[static_cast<size_t>(moved[free + k])] == MR_REVOLUTE &&
@@ -150,9 +150,9 @@ class Model {
         const bool any = std::any_of(wrapping.begin(), wrapping.end(), [](int32_t w) { return w; });
         c.wraps = any ? wrapping.data() : nullptr;
         std::memcpy(c.gravity, gravity.data(), sizeof c.gravity);
-        folded.resize(mr_folded_size(&c));
-        mr_fold(&c, folded.data());
-        c.folded = folded.data();
+        precomputed.resize(mr_precomputed_size(&c));
+        mr_precompute_model(&c, precomputed.data());
+        c.precomputed = precomputed.data();
     }
     Model(const Model &) = delete;
 
@@ -176,7 +176,7 @@ class Model {
     std::vector<int32_t> abouts;
     Doubles ratios, speeds;
     std::vector<int32_t> moved, leaders;
-    Doubles multipliers, offsets, folded;
+    Doubles multipliers, offsets, precomputed;
     std::vector<int32_t> wrapping;
 };
 

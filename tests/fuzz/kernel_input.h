@@ -205,9 +205,9 @@ static void take_model(fuzz_case *c, bytes *in) {
                           .placement = placement,
                           .inertia_about = about};
     for (int k = 0; k < 3; ++k) c->model.gravity[k] = take_double(in);
-    double *folded = allocate(c, mr_folded_size(&c->model) * sizeof *folded);
-    mr_fold(&c->model, folded);
-    c->model.folded = folded;
+    double *precomputed = allocate(c, mr_precomputed_size(&c->model) * sizeof *precomputed);
+    mr_precompute_model(&c->model, precomputed);
+    c->model.precomputed = precomputed;
 }
 
 static void take_bounds(fuzz_case *c, bytes *in) {

@@ -70,7 +70,7 @@ def derived() -> dict[str, int]:
         "LEVER": lever,
         "MOTION_JOINT": spin,
         "MOTION_ONCE": motion,
-        "BOX_TURN": rotate + 2 * add,
+        "BOX_ROTATION": rotate + 2 * add,
         "BOX_MOMENT": cross + add,
         "BOX_AXIS": dot + add,
         "NOMINAL_JOINT": spin + turned + 2 * add,
@@ -134,7 +134,7 @@ def test_the_page_states_the_same_rates() -> None:
     assert stated()["DEFECTS"] == 8
     assert "added to all rates eight times" in PAGE
     assert f"\\varphi/{1 / stated()['MIMIC_ANGLE']:.0f}$" in PAGE
-    for name in ("SECOND_ORDER", "RATE_MAX", "UNDER", "HUGE"):
+    for name in ("SECOND_ORDER", "RATE_MAX", "UNDERFLOW", "HUGE"):
         assert f"$2^{{{math.log2(stated()[name]):.0f}}}$" in PAGE, name
 
 

@@ -47,7 +47,7 @@ class Model(Structure):
         ("placement", Doubles),
         ("inertia_about", Ints),
         ("gravity", c_double * 3),
-        ("folded", Doubles),
+        ("precomputed", Doubles),
         ("wraps", Ints),
     )
 
@@ -186,7 +186,13 @@ class Native:
 
     def __init__(self, library: ctypes.CDLL, robot: Robot, memory: Memory) -> None:
         self._lib, self._robot, self._memory = library, robot, memory
-        for name in ("folded", "prepared", "workspace", "batch_workspace", "dynamics_workspace"):
+        for name in (
+            "precomputed",
+            "prepared",
+            "workspace",
+            "batch_workspace",
+            "dynamics_workspace",
+        ):
             getattr(library, f"mr_{name}_size").restype = c_size_t
         self.n, f = robot.n, robot.mimic
         x, y, z = (row * g for row, g in zip(robot.base[:3, :3], robot.gravity, strict=True))
@@ -209,9 +215,9 @@ class Native:
             inertia_about=memory.ints(robot.framed),
             gravity=(c_double * 3)(*(x + y + z)),
         )
-        folded = memory.empty(self.size("folded"))
-        library.mr_fold(byref(self._model), folded)
-        self._model.folded = folded
+        precomputed = memory.empty(self.size("precomputed"))
+        library.mr_precompute_model(byref(self._model), precomputed)
+        self._model.precomputed = precomputed
         if robot.wraps.any():
             self._model.wraps = memory.ints(robot.wraps)
         self._nominal = self._point(robot.nominal)
