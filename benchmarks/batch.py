@@ -3,7 +3,7 @@
     python benchmarks/batch.py [ROBOT ...]
 
 In C: a loop of single calls against the batch, one thread, native flags. From Python: the
-installed extension with one thread and with two; times are a state and core. Sought: 0.25 us with
+installed extension with one thread and with two; times are a state and core. Target: 0.25 us with
 6 joints.
 """
 

@@ -1,4 +1,4 @@
-"""What is said on the command line, or as keywords, about a robot: laid over its description."""
+"""Command-line and keyword overrides of a description."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ class Growth:
     bound: str
     joints: list[int] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
-    """Median over commands, least over repeats."""
+    """Median over commands, minimum over repeats."""
 
     @property
     def exponent(self) -> float | None:
@@ -196,7 +196,7 @@ def replay(run: SimulationResult, bound: str, repeat: int = 1) -> ReplayTimes:
 
 
 def chain_times(n: int, bound: str, repeat: int = 1, commands: int = 200) -> float:
-    """Median time of a command for a synthetic chain of ``n`` joints [s], least over repeats."""
+    """Median time of a command for a synthetic chain of ``n`` joints [s], minimum over repeats."""
     robot = synthetic_chain(n)
     rng = np.random.default_rng(n)
     shape = (commands, n)

@@ -329,7 +329,7 @@ class Robot:
 
     @own_environment()
     def corner_parameters(self, rng: np.random.Generator | int) -> Parameters:
-        """A vertex of the box, each entry lower or upper by a coin; perhaps not a physical one.
+        """A vertex: each entry lower or upper with equal probability; may be unphysical.
 
         Args:
             rng: A numpy Generator, or an int that seeds one.
