@@ -124,7 +124,7 @@ For the table each robot gets the same uncertainty and the same gains, none tune
 
 - 5 % on masses, inertias (of the largest principal moment), damping, friction and rotor inertia,
   5 mm on every centre of mass. True parameters are drawn at random inside, seed 1.
-- A reflected rotor inertia of {REFLECTED:g} kg m^2 (kg on a slide) on every joint: URDFs give none,
+- A reflected rotor inertia of {REFLECTED:g} kg m^2 (prismatic: kg) on every joint: URDFs give none,
   and without any a wrist of 4e-6 kg m^2 beside 1 N m of friction is stiffer than any control rate.
 - {gains}; law `norm`, bound `hull`, 50 kHz. The motion is a seeded quintic through
   waypoints within the limits; the run starts {START:g} off it, in norm.

@@ -259,7 +259,7 @@ class Robot:
     def model(self) -> _kernel.Model:
         """The kernel's view of the geometry, made once.
 
-        The kernel works in the base frame, so gravity is turned there: base' g, summed in order,
+        The kernel works in the base frame, so gravity is rotated there: base' g, summed in order,
         so that it has the same bits on every machine.
         """
         x, y, z = (row * g for row, g in zip(self.base[:3, :3], self.gravity, strict=True))

@@ -327,7 +327,7 @@ REFUSED = {
     ),
     "links: {arm: {com: [0, 0, 0]}}": (
         "small.yaml:4: links.arm: one of com and inertia; the URDF gives this link's inertial in "
-        "turned axes (line 4) and an overlay is in the axes of the link; give com and all six "
+        "rotated axes (line 4) and an overlay is in the axes of the link; give com and all six "
         "entries of inertia, or neither"
     ),
 }
