@@ -3,7 +3,7 @@
     python benchmarks/batch.py [ROBOT ...]
 
 In C: a loop of single calls against the batch, one thread, native flags. From Python: the
-installed extension with one thread and with two; times are a state and core. Sought: 0.25 us with
+installed extension with one thread and with two; times are a state and core. Target: 0.25 us with
 6 joints.
 """
 
@@ -24,8 +24,8 @@ THREADS = (1, 2)
 def in_c(robot: Robot) -> Comparison:
     """The batch of the kernel against a loop."""
     subjects = [
-        Subject(f"{name}, {method}", kind, 0, method)
-        for method in ("hull", "ianea")
+        Subject(f"{name}, {bound}", kind, 0, bound)
+        for bound in ("hull", "ianea")
         for name, kind in (("loop", "bounds"), ("batch", "batch"))
     ]
     everywhere, states = uncertain_everywhere(robot), random_states(robot, 1000)
@@ -39,10 +39,10 @@ def from_python(robot: Robot) -> Comparison:
     inputs = (s.q, s.dq, s.dq_des, s.ddq_des)
     run = mr.inverse_dynamics_bounds_batch
     subjects = {
-        f"{method}, threads {threads}": partial(
-            run, everywhere, *inputs, method=method, threads=threads
+        f"{bound}, threads {threads}": partial(
+            run, everywhere, *inputs, bound=bound, threads=threads
         )
-        for method in ("hull", "ianea")
+        for bound in ("hull", "ianea")
         for threads in THREADS
     }
     timings = tuple(

@@ -2,7 +2,7 @@
 
     python benchmarks/growth.py
 
-`ianea` with every body uncertain, sought: a fitted exponent of at most 1.1 up to 256 joints. `hull`
+`ianea` with every body uncertain; target: a fitted exponent of at most 1.1 up to 256 joints. `hull`
 with one uncertain body at the tip, less the same chain with none: linear in the joints, so at most
 1.1 too; `hull` with every body uncertain: the square.
 """
@@ -42,7 +42,7 @@ def uncertain_at_the_tip(n: int, bodies: int) -> Robot:
 def cost_of_one_body(n: int) -> float:
     """Time of a command, `hull`, with one uncertain body at the tip less that with none [s].
 
-    The two are timed in turn, each state by its least time, because a small difference is sought.
+    The two are timed in turn, each state by its minimum time: the difference is small.
     """
     robots = [uncertain_at_the_tip(n, bodies) for bodies in (1, 0)]
     controllers = [RobustController(robot, bound="hull") for robot in robots]

@@ -55,17 +55,17 @@ def us(seconds: float) -> str:
 
 
 def compared(comparisons: dict[str, Comparison]) -> str:
-    """Least time and ratios of each subject, for each way to compile."""
+    """Minimum time and ratios of each subject, for each way to compile."""
     head = ["[us]"]
     for name in comparisons:
-        head += [name, "ratio of least", "of medians"]
+        head += [name, "ratio of minima", "of medians"]
     first = next(iter(comparisons.values()))
     rows = []
     for item in first.timings:
         cells = [item.name]
         for c in comparisons.values():
-            least, median = c.ratio_of_least(item.name), c.ratio_of_medians(item.name)
-            cells += [us(c.timing(item.name).least), f"{least:.3g}", f"{median:.3g}"]
+            least, median = c.ratio_of_minima(item.name), c.ratio_of_medians(item.name)
+            cells += [us(c.timing(item.name).minimum), f"{least:.3g}", f"{median:.3g}"]
         rows.append(cells)
     return markdown(head, rows)
 
@@ -111,7 +111,7 @@ def instruction_counts() -> str:
 
 
 def command_line() -> Iterator[list[str]]:
-    """Wall time of whole processes, the least of three."""
+    """Wall time of whole processes, the minimum of three."""
     for arguments in COMMANDS:
         least = float("inf")
         for _ in range(3):
@@ -129,7 +129,7 @@ def main() -> None:
     robot = mr.load_robot("lwa4p-paper")
     cpp, shipped, compilers = in_cpp(robot)
     gcc = next(iter(cpp.values()))
-    slow = {method: worst_case.measured(robot, method) for method in ("hull", "ianea")}
+    slow = {bound: worst_case.measured(robot, bound) for bound in ("hull", "ianea")}
     columns = growth.measured()
     versions = ", ".join(
         f"{name} {importlib.metadata.version(name)}" for name in ("pin", "numpy", "modrobust")
@@ -162,14 +162,14 @@ The kernel with the flags that it ships with (no `-march`), Pinocchio as above:
 
 {compared({next(iter(cpp)): shipped})}
 
-`python benchmarks/pinocchio_cpp.py`, or `modrobust bench --peers`. Sought: ratios of least times of
-at most 1.0 (own bounds, `hull`) and 1.5 (all bodies, `hull`).
+`python benchmarks/pinocchio_cpp.py`, or `modrobust bench --peers`. Target: ratios of minimum times
+of at most 1.0 (own bounds, `hull`) and 1.5 (all bodies, `hull`).
 
 ## Each command by itself
 
 As the paper reports it: mean, standard deviation and largest of single commands. This is no
 real-time system; the largest is that of an interruption. "Slowest state" is free of them: each
-state's least of 10 calls, the largest over 1,000 states. {gcc.remarks[0].capitalize()}.
+state's minimum of 10 calls, the largest over 1,000 states. {gcc.remarks[0].capitalize()}.
 
 {single_calls(robot, gcc)}
 
@@ -201,7 +201,7 @@ From Python, as installed, {batch.STATES} states a call:
 
 {compared({"from Python": batch.from_python(robot)})}
 
-`python benchmarks/batch.py`; 0.25 us is sought.
+`python benchmarks/batch.py`; the target is 0.25 us.
 
 ## Growth with the joints
 
@@ -233,7 +233,7 @@ One command under callgrind; CI compares with these figures, with a margin of 5 
 
 ## Command line
 
-{markdown(["command", "least of three [s]"], command_line())}
+{markdown(["command", "minimum of three [s]"], command_line())}
 """,
         encoding="utf-8",
     )

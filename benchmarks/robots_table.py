@@ -124,14 +124,14 @@ For the table each robot gets the same uncertainty and the same gains, none tune
 
 - 5 % on masses, inertias (of the largest principal moment), damping, friction and rotor inertia,
   5 mm on every centre of mass. True parameters are drawn at random inside, seed 1.
-- A reflected rotor inertia of {REFLECTED:g} kg m^2 (kg on a slide) on every joint: URDFs give none,
+- A reflected rotor inertia of {REFLECTED:g} kg m^2 (prismatic: kg) on every joint: URDFs give none,
   and without any a wrist of 4e-6 kg m^2 beside 1 N m of friction is stiffer than any control rate.
 - {gains}; law `norm`, bound `hull`, 50 kHz. The motion is a seeded quintic through
   waypoints within the limits; the run starts {START:g} off it, in norm.
 
 {markdown(HEAD, rows)}
 
-Joints: free ones + those that follow another. Load: the file alone, the shortest of three;
+Joints: free ones + mimic joints. Load: the file alone, the shortest of three;
 xacro is expanded in a process of its own (px100 to wx250s).
 Command: the whole law in C, the median over the run's states; the run itself uses `hull`.
 ianea/hull: width of [Phi], the median over joints and {STATES} random states. Errors are norms over

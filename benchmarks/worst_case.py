@@ -27,7 +27,7 @@ STATES = 300
 
 @dataclass(frozen=True)
 class Slowest:
-    """Of one method: the typical command's time [s], and the slowest over it by speed and box."""
+    """Of one bound: the typical command's time [s], and the slowest over it by speed and box."""
 
     typical: float
     ratios: Array
@@ -41,10 +41,10 @@ class Slowest:
 HEAD = ["[rad/s]", *(f"{com:g} m" for com in BOXES)]
 
 
-def measured(robot: Robot, method: str) -> Slowest:
+def measured(robot: Robot, bound: str) -> Slowest:
     """Times of the slowest state, for each speed and box."""
     boxes = [uncertain_everywhere(robot, com) for com in BOXES]
-    subjects = [Subject(f"{com:g}", "command", k, method) for k, com in enumerate(BOXES)]
+    subjects = [Subject(f"{com:g}", "command", k, bound) for k, com in enumerate(BOXES)]
     least = []
     for speed in SPEEDS:
         states = random_states(robot, STATES, speed=speed)
@@ -58,9 +58,9 @@ def main() -> None:
     """Measure and print a table of the slowest state's time over the typical one."""
     print(machine())
     robot = mr.load_robot(sys.argv[1] if len(sys.argv) > 1 else "lwa4p-paper")
-    for method in ("hull", "ianea"):
-        found = measured(robot, method)
-        print(f"\n{method}: typical {found.typical * 1e6:.3g} us; slowest state over typical")
+    for bound in ("hull", "ianea"):
+        found = measured(robot, bound)
+        print(f"\n{bound}: typical {found.typical * 1e6:.3g} us; slowest state over typical")
         for row in (HEAD, *found.rows()):
             print("".join(f"{cell:>10}" for cell in row))
         largest = found.ratios.max()

@@ -1,4 +1,4 @@
-"""Simulate the paper's second scenario for a second, with both bounds, and compare.
+"""Simulate the paper's second scenario for a second, with both kinds of bound, and compare.
 
 The controller knows the robot's nominal parameters and their bounds only; the plant has the true
 ones. "hull" is the exact range of the perturbation, "ianea" the paper's interval arithmetic.

@@ -1,4 +1,4 @@
-"""How tight is the bound? Sample parameters, and compare the torques with both methods."""
+"""How tight is the bound? Sample parameters, and compare the torques with both kinds of bound."""
 
 import numpy as np
 
@@ -12,8 +12,8 @@ corners = [robot.corner_parameters(rng) for _ in range(2000)]
 torques = np.array([mr.inverse_dynamics(robot, q, dq, dq_a, ddq_a, p) for p in corners])
 print("joint        seen at corners          hull         ianea   [N m wide]")
 widths = []
-for method in ("hull", "ianea"):
-    lo, hi = mr.inverse_dynamics_bounds(robot, q, dq, dq_a, ddq_a, method=method)
+for bound in ("hull", "ianea"):
+    lo, hi = mr.inverse_dynamics_bounds(robot, q, dq, dq_a, ddq_a, bound=bound)
     assert (torques >= lo - 1e-9).all()
     assert (torques <= hi + 1e-9).all()
     widths.append(hi - lo)

@@ -38,7 +38,7 @@ static mr_parameters point(int k) {
     return p;
 }
 
-static double folded[MEMORY], prepared[MEMORY], workspace[MEMORY];
+static double precomputed[MEMORY], prepared[MEMORY], workspace[MEMORY];
 
 int main(void) {
     if (mr_self_test() != MR_OK) return 1; /* once, before anything else */
@@ -55,9 +55,9 @@ int main(void) {
                       .body_joint = body_joint,
                       .placement = placement,
                       .gravity = {0, -9.81, 0}};
-    if (mr_folded_size(&model) > MEMORY || mr_workspace_size(&model) > MEMORY) return 1;
-    mr_fold(&model, folded);
-    model.folded = folded;
+    if (mr_precomputed_size(&model) > MEMORY || mr_workspace_size(&model) > MEMORY) return 1;
+    mr_precompute_model(&model, precomputed);
+    model.precomputed = precomputed;
 
     const double d[N] = {0.2, 0.2}, minus_d[N] = {-0.2, -0.2}; /* [d] [N m] */
     int32_t uncertain[BODIES];

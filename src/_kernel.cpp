@@ -94,14 +94,14 @@ class Model {
           abouts(ints(inertia_about)), ratios(doubles(gear_ratio)), speeds(doubles(coulomb_speed)),
           moved(ints(moves)), leaders(ints(leader)), multipliers(doubles(multiplier)),
           offsets(doubles(offset)), wrapping(ints(wraps)) {
-        const size_t j = types.size(), b = joints.size(), followers = leaders.size();
-        require(j > followers && parents.size() == j && befores.size() == j &&
+        const size_t j = types.size(), b = joints.size(), mimic_joints = leaders.size();
+        require(j > mimic_joints && parents.size() == j && befores.size() == j &&
                     afters.size() == j && ratios.size() == j && speeds.size() == j &&
                     placements.size() == b && abouts.size() == b && gravity.size() == 3 &&
                     moved.size() == j &&
-                    multipliers.size() == followers && offsets.size() == followers,
+                    multipliers.size() == mimic_joints && offsets.size() == mimic_joints,
                 "Model: arrays of joints and bodies differ in length");
-        const size_t free = j - followers;
+        const size_t free = j - mimic_joints;
         for (int32_t l : leaders)
             require(l >= 0 && l < static_cast<int32_t>(free), "Model: a leader is a free joint");
         std::vector<int32_t> once(moved);
@@ -119,12 +119,12 @@ class Model {
         require(wrapping.size() == free, "Model: wraps has one entry a free joint");
         for (size_t i = 0; i < free; ++i)
             require(!wrapping[i] || types[static_cast<size_t>(moved[i])] == MR_REVOLUTE,
-                    "Model: a joint that slides wraps");
-        for (size_t k = 0; k < followers; ++k)
+                    "Model: a prismatic joint wraps");
+        for (size_t k = 0; k < mimic_joints; ++k)
             require(!wrapping[static_cast<size_t>(leaders[k])] ||
                         (types[static_cast<size_t>(moved[free + k])] == MR_REVOLUTE &&
                          multipliers[k] == std::nearbyint(multipliers[k])),
-                    "Model: a joint wraps whose followers do not turn by whole turns with it");
+                    "Model: a joint wraps whose mimic joints do not turn by whole turns with it");
         for (int32_t joint : joints)
             require(joint >= -1 && joint < static_cast<int32_t>(j),
                     "Model: a body's joint must exist");
@@ -150,9 +150,9 @@ class Model {
         const bool any = std::any_of(wrapping.begin(), wrapping.end(), [](int32_t w) { return w; });
         c.wraps = any ? wrapping.data() : nullptr;
         std::memcpy(c.gravity, gravity.data(), sizeof c.gravity);
-        folded.resize(mr_folded_size(&c));
-        mr_fold(&c, folded.data());
-        c.folded = folded.data();
+        precomputed.resize(mr_precomputed_size(&c));
+        mr_precompute_model(&c, precomputed.data());
+        c.precomputed = precomputed.data();
     }
     Model(const Model &) = delete;
 
@@ -176,7 +176,7 @@ class Model {
     std::vector<int32_t> abouts;
     Doubles ratios, speeds;
     std::vector<int32_t> moved, leaders;
-    Doubles multipliers, offsets, folded;
+    Doubles multipliers, offsets, precomputed;
     std::vector<int32_t> wrapping;
 };
 
@@ -206,7 +206,7 @@ class Bounds {
 };
 
 mr_method method_of(int method) {
-    require(method == MR_HULL || method == MR_IANEA, "method: 0 (hull) or 1 (ianea)");
+    require(method == MR_HULL || method == MR_IANEA, "bound: 0 (hull) or 1 (ianea)");
     return static_cast<mr_method>(method);
 }
 
@@ -629,16 +629,16 @@ NB_MODULE(_kernel, m) {
     m.def("inverse_dynamics", &inverse_dynamics, "model"_a, "parameters"_a, "q"_a, "dq"_a,
           "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("inverse_dynamics_bounds", &inverse_dynamics_bounds, "model"_a, "nominal"_a, "lower"_a,
-          "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "method"_a, "drives"_a);
+          "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "bound"_a, "drives"_a);
     m.def("inverse_dynamics_bounds_batch", &inverse_dynamics_bounds_batch, "model"_a,
-          "nominal"_a, "lower"_a, "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "method"_a,
+          "nominal"_a, "lower"_a, "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "bound"_a,
           "drives"_a, "threads"_a);
     m.def("inverse_dynamics_rounding", &inverse_dynamics_rounding, "model"_a, "parameters"_a,
           "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("bounds_slack", &bounds_slack, "model"_a, "nominal"_a, "lower"_a, "upper"_a, "q"_a,
           "dq"_a, "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("perturbation_bounds", &perturbation_bounds, "model"_a, "nominal"_a, "lower"_a,
-          "upper"_a, "disturbance"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "method"_a);
+          "upper"_a, "disturbance"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "bound"_a);
     m.def("mass_matrix", &mass_matrix, "model"_a, "parameters"_a, "q"_a, "drives"_a);
     m.def("forward_dynamics", &forward_dynamics, "model"_a, "parameters"_a, "q"_a, "dq"_a,
           "tau"_a, "drives"_a);
@@ -648,7 +648,7 @@ NB_MODULE(_kernel, m) {
         .def(nb::init<nb::object, const Vec &, const Vec &, const Vec &, const Mat &, const Vec &,
                       double, double, double, double, double, int, int>(),
              "model"_a, "nominal"_a, "lower"_a, "upper"_a, "disturbance"_a, "K_r"_a, "kappa_P"_a,
-             "kappa_I"_a, "phi_P"_a, "phi_I"_a, "epsilon"_a, "law"_a, "method"_a)
+             "kappa_I"_a, "phi_P"_a, "phi_I"_a, "epsilon"_a, "law"_a, "bound"_a)
         .def("command", &Controller::command, "t"_a, "q"_a, "dq"_a, "q_des"_a, "dq_des"_a,
              "ddq_des"_a)
         .def("torque", &Controller::torque, "integral"_a, "q"_a, "dq"_a, "q_des"_a, "dq_des"_a,

@@ -77,7 +77,7 @@ def inverse_dynamics_bounds(
     dq: _Array,
     dq_a: _Array,
     ddq_a: _Array,
-    method: int,
+    bound: int,
     drives: bool,
 ) -> _Array: ...
 def inverse_dynamics_bounds_batch(
@@ -89,7 +89,7 @@ def inverse_dynamics_bounds_batch(
     dq: _Array,
     dq_a: _Array,
     ddq_a: _Array,
-    method: int,
+    bound: int,
     drives: bool,
     threads: int,
 ) -> _Array:
@@ -129,7 +129,7 @@ def perturbation_bounds(
     dq: _Array,
     dq_a: _Array,
     ddq_a: _Array,
-    method: int,
+    bound: int,
 ) -> _Array: ...
 def mass_matrix(model: Model, parameters: _Array, q: _Array, drives: bool) -> _Array: ...
 def forward_dynamics(
@@ -152,7 +152,7 @@ class Controller:
         phi_I: float,
         epsilon: float,
         law: int,
-        method: int,
+        bound: int,
     ) -> None: ...
     def command(
         self,

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from modrobust import _kernel
 from modrobust.checks import as_array, as_number, as_real, did_you_mean
 from modrobust.errors import ModrobustError, ShapeError, ValueRangeError
-from modrobust.kernel import METHODS, own_environment, status_error
+from modrobust.kernel import BOUNDS, own_environment, status_error
 from modrobust.model import ControllerSettings, Robot, check_robot
 
 Array = NDArray[np.float64]
@@ -112,7 +112,7 @@ class RobustController:
         self.settings = ControllerSettings(
             K_r=_per_joint("K_r", robot, own.K_r if K_r is None else K_r),
             law=_known("law", own.law if law is None else law, LAWS),
-            bound=_known("bound", own.bound if bound is None else bound, METHODS),
+            bound=_known("bound", own.bound if bound is None else bound, BOUNDS),
             kappa_P=gain("kappa_P", kappa_P),
             kappa_I=gain("kappa_I", kappa_I),
             phi_P=gain("phi_P", phi_P),
@@ -330,7 +330,7 @@ def make_kernel_controller(robot: Robot, settings: ControllerSettings) -> _kerne
         settings.phi_I,
         settings.epsilon,
         LAWS[settings.law],
-        METHODS[settings.bound],
+        BOUNDS[settings.bound],
     )
 
 

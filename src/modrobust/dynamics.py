@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_real, as_truth
 from modrobust.errors import ShapeError, ValueRangeError
-from modrobust.kernel import method_code, status_error
+from modrobust.kernel import bound_code, status_error
 from modrobust.model import Parameters, Robot, check_robot
 
 Array = NDArray[np.float64]
@@ -74,7 +74,7 @@ def inverse_dynamics_bounds(
     dq: ArrayLike,
     dq_a: ArrayLike,
     ddq_a: ArrayLike,
-    method: str = "hull",
+    bound: str = "hull",
     drives: bool = True,
 ) -> tuple[Array, Array]:
     r"""Bounds of `inverse_dynamics` over every parameter point inside the robot's bounds.
@@ -90,7 +90,7 @@ def inverse_dynamics_bounds(
         dq: Joint velocities (n,) [rad/s].
         dq_a: Auxiliary velocities (n,) [rad/s].
         ddq_a: Auxiliary accelerations (n,) [rad/s^2].
-        method: "hull" or "ianea".
+        bound: "hull" or "ianea".
         drives: Whether friction (20) and reflected rotor inertia (21) are included.
 
     Returns:
@@ -99,7 +99,7 @@ def inverse_dynamics_bounds(
 
     Raises:
         ShapeError: A vector does not have n entries.
-        ValueRangeError: An entry is not finite, an angle is beyond 1e5 rad, or an unknown method.
+        ValueRangeError: An entry is not finite, an angle is beyond 1e5 rad, or an unknown bound.
 
     Source: Algorithm 1 of [GA17]; kernel twin ``mr_inverse_dynamics_bounds``.
     """
@@ -109,7 +109,7 @@ def inverse_dynamics_bounds(
         robot.model,
         _box(robot),
         state,
-        method_code(method),
+        bound_code(bound),
         as_truth("drives", drives),
     )
     return lo, hi
@@ -121,7 +121,7 @@ def inverse_dynamics_bounds_batch(
     dQ: ArrayLike,
     dQ_a: ArrayLike,
     ddQ_a: ArrayLike,
-    method: str = "hull",
+    bound: str = "hull",
     drives: bool = True,
     threads: int | None = None,
 ) -> tuple[Array, Array]:
@@ -133,7 +133,7 @@ def inverse_dynamics_bounds_batch(
         dQ: Joint velocities (k, n) [rad/s].
         dQ_a: Auxiliary velocities (k, n) [rad/s].
         ddQ_a: Auxiliary accelerations (k, n) [rad/s^2].
-        method: "hull" or "ianea".
+        bound: "hull" or "ianea".
         drives: Whether friction (20) and reflected rotor inertia (21) are included.
         threads: Number of threads, at most 4096; None = one for each processor it may use.
 
@@ -143,7 +143,7 @@ def inverse_dynamics_bounds_batch(
     Raises:
         ShapeError: An array does not have n columns, or not k rows as `Q`.
         ValueRangeError: An entry is not finite, an angle is beyond 1e5 rad, a result overflows
-            (the message has its row), or an unknown method.
+            (the message has its row), or an unknown bound.
 
     Source: (17) to (19); kernel twin ``mr_inverse_dynamics_bounds_batch``.
     """
@@ -158,7 +158,7 @@ def inverse_dynamics_bounds_batch(
         robot.model,
         _box(robot),
         given,
-        method_code(method),
+        bound_code(bound),
         as_truth("drives", drives),
         count,
     )
@@ -171,7 +171,7 @@ def perturbation_bounds(
     dq: ArrayLike,
     dq_a: ArrayLike,
     ddq_a: ArrayLike,
-    method: str = "hull",
+    bound: str = "hull",
 ) -> tuple[Array, Array]:
     r"""The perturbation set: what the true torque may differ from the nominal one, (12).
 
@@ -185,14 +185,14 @@ def perturbation_bounds(
         dq: Joint velocities (n,) [rad/s].
         dq_a: Auxiliary velocities (n,) [rad/s].
         ddq_a: Auxiliary accelerations (n,) [rad/s^2].
-        method: "hull" or "ianea".
+        bound: "hull" or "ianea".
 
     Returns:
         Lower and upper bounds of [Phi] (n,), (n,) [N m].
 
     Raises:
         ShapeError: A vector does not have n entries.
-        ValueRangeError: An entry is not finite, an angle is beyond 1e5 rad, or an unknown method.
+        ValueRangeError: An entry is not finite, an angle is beyond 1e5 rad, or an unknown bound.
 
     Source: (12) of [GA17]; kernel twin ``mr_perturbation_bounds``.
     """
@@ -203,7 +203,7 @@ def perturbation_bounds(
         robot.model,
         (*_box(robot), disturbance),
         state,
-        method_code(method),
+        bound_code(bound),
     )
     return lo, hi
 
@@ -286,7 +286,7 @@ def forward_kinematics(robot: Robot, q: ArrayLike) -> Array:
         q: Joint positions (n,) [rad].
 
     Returns:
-        Homogeneous transforms (j, 4, 4), link to base [m]; j = n but for joints that follow others.
+        Homogeneous transforms (j, 4, 4), link to base [m]; j = n but for mimic joints.
 
     Raises:
         ShapeError: q does not have n entries.

@@ -102,9 +102,9 @@ def joint_transforms(robot: Robot, q: Any) -> list[tuple[Any, Any, Any, Any, Any
     out = []
     for i in range(robot.n):
         before, after = robot.before[i], robot.after[i]
-        turned = robot.joint_types[i] != "prismatic"
-        slide = 0 * q[i] if turned else q[i]
-        joint = turn_z(q[i] if turned else 0 * q[i])
+        rotated = robot.joint_types[i] != "prismatic"
+        slide = 0 * q[i] if rotated else q[i]
+        joint = turn_z(q[i] if rotated else 0 * q[i])
         R = before[:3, :3] @ joint @ after[:3, :3]  # 6: (10)
         z = after[:3, :3].T @ Z0  # 8
         p = after[:3, :3].T @ (after[:3, 3] + slide * Z0)  # 9: (11)

@@ -183,9 +183,9 @@ def test_a_chain_of_mimics_is_multiplied_out_before_it_is_rounded(tmp_path: Path
             ),
         ),
     )
-    followers = mr.load_robot(path).followers
-    assert followers.multiplier.tolist() == [0.1, 0.03]  # in doubles 0.1 * 0.3 is another
-    assert followers.offset.tolist() == [0.7, 0.31]
+    mimic = mr.load_robot(path).mimic
+    assert mimic.multiplier.tolist() == [0.1, 0.03]  # in doubles 0.1 * 0.3 is another
+    assert mimic.offset.tolist() == [0.7, 0.31]
 
 
 def test_a_factor_beyond_the_doubles_is_refused(tmp_path: Path) -> None:

@@ -70,7 +70,7 @@ def test_a_way_that_moves_stands_still_and_that_is_said(tmp_path: Path) -> None:
     assert gravity_torque(loaded) == gravity_torque(mr.load_robot(written(tmp_path, arm())))
 
 
-def test_a_follower_on_the_way_stands_where_it_follows(tmp_path: Path) -> None:
+def test_a_mimic_joint_on_the_way_stands_where_it_mimics(tmp_path: Path) -> None:
     lead = joint("lead", "world", "rail", inside=Y)
     follow = joint(
         "follow", "world", "base", inside=Y + '<mimic joint="lead" multiplier="2" offset="0.3"/>'

@@ -17,32 +17,32 @@ from support.urdf_texts import LIMIT, joint, link, robot, two_links, written
 AXIS = '<origin xyz="0 0 0.3"/><axis xyz="1 0 0"/>'
 
 
-def led(folder: Path, follower: str, multiplier: str, limit: str = "") -> Robot:
-    """A continuous joint "turn" that another one follows."""
+def mimicking(folder: Path, mimic_joint: str, multiplier: str, limit: str = "") -> Robot:
+    """A continuous joint "turn" that another one mimics."""
     inside = f'{AXIS}{limit}<mimic joint="turn" multiplier="{multiplier}" offset="0.1"/>'
     text = robot(
         link("base", ""),
         joint("turn", "base", "arm", "continuous", AXIS),
         link("arm"),
-        joint("mate", "arm", "hand", follower, inside),
+        joint("mate", "arm", "hand", mimic_joint, inside),
         link("hand"),
     )
     return mr.load_robot(written(folder, text))
 
 
 @pytest.mark.parametrize(
-    ("follower", "multiplier", "limit", "said"),
+    ("mimic_joint", "multiplier", "limit", "said"),
     [
         ("continuous", "-1", "", None),
         ("continuous", "3", "", None),
-        ("continuous", "0.5", "", "mate, which follows it, turns 0.5 times as far"),
+        ("continuous", "0.5", "", "mate, which mimics it, turns 0.5 times as far"),
         ("prismatic", "1", '<limit lower="-1" upper="1" effort="9" velocity="1"/>', None),
     ],
 )
 def test_where_a_turn_leads_to_another_pose_a_remark_says_that_nothing_wraps(
-    tmp_path: Path, follower: str, multiplier: str, limit: str, said: str | None
+    tmp_path: Path, mimic_joint: str, multiplier: str, limit: str, said: str | None
 ) -> None:
-    arm = led(tmp_path, follower, multiplier, limit)
+    arm = mimicking(tmp_path, mimic_joint, multiplier, limit)
     found = [note for note in arm.notes if "continuous, but" in note]
     assert found == (
         []
@@ -52,16 +52,16 @@ def test_where_a_turn_leads_to_another_pose_a_remark_says_that_nothing_wraps(
             f"{said}: a turn leads to another pose"
         ]
     )
-    assert arm.wraps.tolist() == [said is None and follower == "continuous"]
+    assert arm.wraps.tolist() == [said is None and mimic_joint == "continuous"]
 
 
 def test_a_joint_that_its_follower_limits_turns_no_longer_endlessly(tmp_path: Path) -> None:
-    arm = led(tmp_path, "revolute", "2", LIMIT)
+    arm = mimicking(tmp_path, "revolute", "2", LIMIT)
     assert arm.joint_types == ("revolute", "revolute")
     np.testing.assert_allclose(arm.position_limits, [[-1.05, 1.2]])
     assert not arm.wraps.any()
     assert (
-        "joint turn: position limits [-1.05, 1.2], so that joint mate, which follows it, keeps its "
+        "joint turn: position limits [-1.05, 1.2], so that joint mate, which mimics it, keeps its "
         "own; written as continuous, it is revolute so, and its error not less whole turns"
     ) in arm.notes
 

@@ -91,7 +91,7 @@ def test_tightness_is_the_width_of_ianea_over_that_of_hull(arm: Robot) -> None:
 def test_random_states_respect_the_limits(arm: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[Any] = []
 
-    def spy(robot: Robot, q: Any, dq: Any, dq_a: Any, ddq_a: Any, method: str) -> Any:
+    def spy(robot: Robot, q: Any, dq: Any, dq_a: Any, ddq_a: Any, bound: str) -> Any:
         seen.append((q, dq, dq_a))
         return np.zeros(3), np.ones(3)
 

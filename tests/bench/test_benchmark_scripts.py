@@ -62,7 +62,7 @@ def test_the_page_has_a_row_for_each_subject_and_three_columns_a_compiler(
     )
     page = scripts["performance_page"].compared({"gcc": compared, "clang": compared})
     assert page.splitlines() == [
-        "| [us] | gcc | ratio of least | of medians | clang | ratio of least | of medians |",
+        "| [us] | gcc | ratio of minima | of medians | clang | ratio of minima | of medians |",
         "|---|---|---|---|---|---|---|",
         "| theirs | 2 | 1 | 1 | 2 | 1 | 1 |",
         "| ours | 1 | 0.5 | 0.5 | 1 | 0.5 | 0.5 |",

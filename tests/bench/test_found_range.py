@@ -77,7 +77,7 @@ def test_no_point_leaves_the_box_and_exact_parameters_are_left_alone() -> None:
             assert (bound_hi >= hi).all()
 
 
-def test_joints_that_follow_others_are_searched_together() -> None:
+def test_mimic_joints_are_searched_together() -> None:
     robot = tied(wide(5, 1), 3, np.random.default_rng(1))
     lo, hi = found_range(robot, *states(3, 3))
     bounds = np.array(

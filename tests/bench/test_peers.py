@@ -53,7 +53,7 @@ def test_the_job_holds_the_very_doubles_in_the_order_of_the_program() -> None:
     robot = tied(random_robot(rng, 4, tree=True), 3, rng)
     s = random_states(robot, 2)
     job = list(native._job([robot], s, [Subject("", "command", 0, "ianea")], (7, 2)))
-    f, c, d = robot.followers, robot.controller, robot.disturbance
+    f, c, d = robot.mimic, robot.controller, robot.disturbance
 
     def flat(T: Any) -> list[float]:
         return np.ravel([[*t[:3, :3].ravel(), *t[:3, 3]] for t in T]).tolist()
@@ -119,8 +119,8 @@ def test_ratios_are_those_of_least_and_of_median_times() -> None:
     theirs = Timing("theirs", np.array([4.0, 4.0, 5.0]))
     figures = Comparison("", (theirs, ours), "theirs").to_dict()
     first, second = figures["subjects"]
-    assert (first["ratio_of_least"], first["ratio_of_medians"], first["alone"]) == (1.0, 1.0, None)
-    assert (second["ratio_of_least"], second["ratio_of_medians"]) == (0.5, 1.5)
+    assert (first["ratio_of_minima"], first["ratio_of_medians"], first["alone"]) == (1.0, 1.0, None)
+    assert (second["ratio_of_minima"], second["ratio_of_medians"]) == (0.5, 1.5)
     assert second["alone"]["calls"]["max"] == 5.0
     assert second["alone"]["states"]["max"] == 3.0
     json.dumps(figures, allow_nan=False)
@@ -154,14 +154,14 @@ def test_pinocchio_from_python_has_the_same_robot(shape: dict[str, Any]) -> None
     found = pinocchio_python(random_robot(np.random.default_rng(1), **shape, drives=False), 3)
     assert found.disagreement is not None
     assert found.disagreement < 1e-12
-    assert found.ratio_of_least("command, hull") > 0.0
+    assert found.ratio_of_minima("command, hull") > 0.0
 
 
 def test_the_transcription_has_the_same_robot(arm: Robot) -> None:
     found = numpy_transcription(arm, states=2)
     assert found.disagreement is not None
     assert found.disagreement < 1e-12
-    assert found.ratio_of_least("inverse_dynamics") < 1.0
+    assert found.ratio_of_minima("inverse_dynamics") < 1.0
 
 
 def test_times_of_robots_that_differ_are_not_compared(
@@ -174,9 +174,9 @@ def test_times_of_robots_that_differ_are_not_compared(
         numpy_transcription(arm, states=2)
 
 
-def test_joints_that_follow_others_are_refused() -> None:
+def test_mimic_joints_are_refused() -> None:
     rng = np.random.default_rng(0)
-    with pytest.raises(ValueRangeError, match="2 joints follow others"):
+    with pytest.raises(ValueRangeError, match="2 mimic joints"):
         compare_with_peers(tied(random_robot(rng, 5), 3, rng))
 
 
@@ -191,7 +191,7 @@ def test_the_program_times_every_kind_of_call_on_any_robot(cache: Path) -> None:
     assert [item.name for item in answer.timings] == list(kinds)
     for item in answer.timings:
         assert item.rounds.shape == (3,)
-        assert 0.0 < item.least < 1e-2
+        assert 0.0 < item.minimum < 1e-2
         shape = None if item.alone is None else item.alone.shape
         assert shape == (None if item.name == "batch" else (2, 20))
     made = {path: path.stat().st_mtime_ns for path in cache.rglob("*.o")}

@@ -58,7 +58,7 @@ def test_the_message_names_the_argument(position: int) -> None:
 
 def test_an_unknown_method_is_refused_with_those_known() -> None:
     with pytest.raises(InputError, match="hull, ianea"):
-        mr.inverse_dynamics_bounds(ROBOT, ZERO, ZERO, ZERO, ZERO, method="hul")
+        mr.inverse_dynamics_bounds(ROBOT, ZERO, ZERO, ZERO, ZERO, bound="hul")
 
 
 def test_parameters_of_another_robot_are_refused() -> None:
@@ -91,15 +91,15 @@ def test_arguments_are_left_alone_and_each_result_is_a_new_array() -> None:
 
 
 @pytest.mark.parametrize("speed", [1e154, 1e160, 1e300])
-@pytest.mark.parametrize("method", ["hull", "ianea"])
+@pytest.mark.parametrize("bound", ["hull", "ianea"])
 def test_a_result_beyond_the_range_of_doubles_is_an_error_and_never_a_bound(
-    speed: float, method: str
+    speed: float, bound: str
 ) -> None:
     fast = np.full(3, speed)
     with pytest.raises(InputError, match="not finite"):
         mr.inverse_dynamics(ROBOT, ZERO, fast, fast, ZERO)
     with pytest.raises(InputError, match="not finite"):
-        mr.inverse_dynamics_bounds(ROBOT, ZERO, fast, fast, ZERO, method=method)
+        mr.inverse_dynamics_bounds(ROBOT, ZERO, fast, fast, ZERO, bound=bound)
 
 
 def test_large_whole_numbers_stay_what_they_are() -> None:

@@ -55,7 +55,7 @@ def test_simulate_answers_1_when_epsilon_is_not_reached_and_says_so(run, tmp_pat
     )
     result = run("simulate", "far.yaml")
     assert result.returncode == 1
-    assert "Not good: the tracking error did not stay below epsilon = 0.01" in result.stdout
+    assert "FAIL: the tracking error did not stay below epsilon = 0.01" in result.stdout
     assert "violations             0 of 1001 ticks, of the bound" in result.stdout
 
 
@@ -111,8 +111,8 @@ def test_modules_lists_the_catalogue_with_what_mates_to_what(run) -> None:
     assert all(module["source"] for module in modules.values())
     assert modules["hebi-link-x5-325"]["licence"]
     assert None in [module["licence"] for module in modules.values()]
-    assert "schunk-link-350" in modules["schunk-pb-large-1"]["mates"]
-    assert "hebi-x5-1" not in modules["schunk-pb-large-1"]["mates"]
+    assert "schunk-link-350" in modules["schunk-pb-large-1"]["mounts"]
+    assert "hebi-x5-1" not in modules["schunk-pb-large-1"]["mounts"]
     table = run("modules").stdout
     assert all(module in table for module in modules)
 

@@ -17,7 +17,7 @@ def test_a_short_run_is_the_first_part_of_the_motion_and_says_so(run) -> None:
     result = run("simulate", "lwa4p", "--trajectory", "quintic", "--duration", "0.1s")
     text = " ".join(result.stdout.split())
     assert result.returncode == 0, text
-    assert "Good: bound kept, torques within limits" in text
+    assert "PASS: bound kept, torques within limits" in text
     assert "error within epsilon" not in text
     assert (
         "Cut short: 0.1 s of a motion of 10 s; whether the error stays below epsilon is not judged"

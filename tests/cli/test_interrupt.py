@@ -68,7 +68,7 @@ def test_an_interrupted_simulation_shows_and_saves_what_it_has(tmp_path: Path) -
     assert "Simulating lwa4p-paper" in shown
     assert "of 10000 s; what was computed is kept in run.npz" in shown
     assert " violations " in out
-    assert "Not good: interrupted at " in out
+    assert "FAIL: interrupted at " in out
     with np.load(tmp_path / "run.npz") as log:
         assert 0.0 <= log["t"][-1] < 1e4
         assert log["tau"].shape == (len(log["t"]), 6)

@@ -60,15 +60,15 @@ def test_good_speaks_of_this_one_run(run, tmp_path: Path, options, which: str) -
     result = run("simulate", file, "--duration", "100ms", *options)
     assert result.returncode == 0
     assert last_line(result.stdout) == (
-        f"{CUT_SHORT} Good: bound kept, torques within limits, in this one run ({which})"
+        f"{CUT_SHORT} PASS: bound kept, torques within limits, in this one run ({which})"
     )
     assert result.stdout.startswith(f"arm, {which}: 0.1 s")
 
 
-def test_a_robot_of_modules_with_nothing_uncertain_earns_no_good(run, tmp_path: Path) -> None:
+def test_a_robot_of_modules_with_nothing_uncertain_earns_no_pass(run, tmp_path: Path) -> None:
     result = run("simulate", arm(tmp_path), "--duration", "100ms")
     assert result.returncode == 0
-    assert "Good" not in result.stdout
+    assert "PASS" not in result.stdout
     assert last_line(result.stdout) == (
         f"{CUT_SHORT} exact: robust against nothing; give bounds or a tolerance in the module "
         "files, see docs/reference/formats.md"
@@ -79,7 +79,7 @@ def test_a_bounded_disturbance_is_something_to_be_robust_against(run, tmp_path: 
     file = arm(tmp_path, more="disturbance: [-1 N m, 1 N m]\n")
     result = run("simulate", file, "--duration", "100ms")
     assert (result.returncode, result.stderr) == (0, "")
-    assert last_line(result.stdout).startswith(f"{CUT_SHORT} Good: ")
+    assert last_line(result.stdout).startswith(f"{CUT_SHORT} PASS: ")
     figures = json.loads(run("simulate", file, "--duration", "100ms", "--json").stdout)
     assert (figures["uncertain"], figures["ok"]) == (True, True)
 
@@ -95,9 +95,9 @@ def test_a_run_that_diverged_has_one_cause_one_remedy_and_nothing_under_it(
     head, _, verdict = result.stdout.partition("\n\n")
     assert len(head.splitlines()) == 3
     lines = [line for line in verdict.splitlines() if ": " in line]
-    assert [line.partition(":")[0] for line in lines] == ["Not good", "Cause", "What helps"]
+    assert [line.partition(":")[0] for line in lines] == ["FAIL", "Cause", "What helps"]
     said = " ".join(verdict.split())
     assert 'Cause: joint "link.axis": the gain kappa ‖rho‖ + phi of 1e+04 N m s/rad' in said
     assert "What helps: a control rate of " in said
-    for consequence in ("violations", "beyond its limit", "shakes", "Also"):
+    for consequence in ("violations", "beyond its limit", "chatters", "Also"):
         assert consequence not in verdict

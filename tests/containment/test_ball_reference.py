@@ -52,12 +52,12 @@ def test_balls_agree_with_the_transcription_of_the_paper(seed: int, tree: bool) 
 
 
 @pytest.mark.parametrize("anywhere", [False, True])
-def test_followers_are_a_tree_of_free_joints_that_move_alike(anywhere: bool) -> None:
+def test_mimic_joints_are_a_tree_of_free_joints_that_move_alike(anywhere: bool) -> None:
     rng = np.random.default_rng(3)
     free = random_robot(rng, n=6, tree=not anywhere)
     robot = tied(free, 4, rng, anywhere)
     state = random_state(rng, 4)
-    f = robot.followers
+    f = robot.mimic
     G = np.zeros((6, 4))
     G[robot.free, np.arange(4)] = 1.0
     G[f.joints, f.leaders] = f.multiplier

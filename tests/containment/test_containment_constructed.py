@@ -104,7 +104,7 @@ def test_a_gear_ratio_whose_square_underflows(ratio: float) -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_a_follower_that_turns_many_times(seed: int) -> None:
+def test_a_mimic_joint_that_turns_many_times(seed: int) -> None:
     rng = np.random.default_rng(seed)
     written = replace(
         random_written(rng, 3, 2),
@@ -208,15 +208,15 @@ def test_torques_below_the_smallest_double() -> None:
     check(robot, Signals(zero, zero, zero, zero, np.array([1e-190])))
 
 
-def test_a_followers_rate_that_underflows() -> None:
+def test_a_mimic_joints_rate_that_underflows() -> None:
     point = {"mass": [1e-9] * 2, "com": np.zeros((2, 3)), "inertia": [1e-9 * np.eye(3)] * 2}
     free_robot = point_robot("rr", after=[np.eye(4)] * 2, **point)
     robot = tied(replace(free_robot, gravity=np.zeros(3)), 1, np.random.default_rng(0))
-    followers = replace(robot.followers, multiplier=np.array([1e-5]), offset=np.zeros(1))
+    mimic_joints = replace(robot.mimic, multiplier=np.array([1e-5]), offset=np.zeros(1))
     exact = replace(robot.nominal, rotor_inertia=np.array([0.0, 1.0]))
     robot = replace(
         robot,
-        followers=followers,
+        mimic=mimic_joints,
         gear_ratio=np.array([0.0, 1e20]),
         nominal=exact,
         lower=exact,

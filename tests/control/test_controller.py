@@ -60,11 +60,11 @@ def test_the_command_equals_the_formulas(robot: Robot, bound: str) -> None:
         dq_a = dq_des + K_r * (q_des - q)  # (4)
         ddq_a = ddq_des + K_r * (dq_des - dq)
         r = (dq_des - dq) + K_r * (q_des - q)
-        phi = mr.perturbation_bounds(robot, q, dq, dq_a, ddq_a, method=bound)  # (12)
+        phi = mr.perturbation_bounds(robot, q, dq, dq_a, ddq_a, bound=bound)  # (12)
         # the command's encloses the rounding of (4), too: that of these sizes in place of its terms
         dq_a_size = np.abs(dq_des) + K_r * (np.abs(q_des) + np.abs(q))
         ddq_a_size = np.abs(ddq_des) + K_r * (np.abs(dq_des) + np.abs(dq))
-        allowed = excess_allowed(robot, q, dq, dq_a_size, ddq_a_size, method=bound)
+        allowed = excess_allowed(robot, q, dq, dq_a_size, ddq_a_size, bound=bound)
         assert_encloses((command.phi_lo, command.phi_hi), phi, allowed)
         rho = np.maximum(np.abs(command.phi_lo), np.abs(command.phi_hi))  # (8)
         v = (3.0 * np.linalg.norm(rho) + 0.7) * r  # (7)

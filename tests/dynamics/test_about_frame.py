@@ -23,7 +23,7 @@ from support.rounding import assert_encloses, excess_allowed
 from support.tightness_population import boxed
 from support.urdf_texts import written
 
-METHODS = ("hull", "ianea")
+BOUNDS = ("hull", "ianea")
 BAR = """
 modrobust: 1
 module: bar
@@ -120,7 +120,7 @@ def test_the_hull_is_the_range_and_holds_every_point_of_the_box(shape: dict[str,
         bounds = mr.inverse_dynamics_bounds(robot, *state, drives=False)
         assert_encloses(bounds, real, excess_allowed(robot, *state, drives=False))
         size = np.abs(real).max()
-        box = [mr.inverse_dynamics_bounds(robot, *state, m, False) for m in METHODS]
+        box = [mr.inverse_dynamics_bounds(robot, *state, m, False) for m in BOUNDS]
         points = [robot.corner_parameters(rng) for _ in range(20)]
         points += [robot.sample_parameters(rng) for _ in range(10)]
         for point in points:
@@ -162,9 +162,9 @@ def test_an_extremum_inside_the_box_is_found_where_the_reference_rates_differ() 
     assert inside > 3
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("bound", BOUNDS)
 def test_a_box_moved_to_the_com_at_nominal_would_miss_true_torques(
-    tmp_path: Path, method: str
+    tmp_path: Path, bound: str
 ) -> None:
     """Why there are bodies of this kind: 0.0924 is a torque of a body inside the written bounds."""
     robot = bar_robot(tmp_path)
@@ -176,20 +176,20 @@ def test_a_box_moved_to_the_com_at_nominal_would_miss_true_torques(
     }
     moved = replace(robot, inertia_about=(), **points)
     zero, one = np.zeros(1), np.ones(1)
-    lo, _ = mr.inverse_dynamics_bounds(moved, zero, zero, zero, one, method, False)
+    lo, _ = mr.inverse_dynamics_bounds(moved, zero, zero, zero, one, bound, False)
     assert lo[0] > 0.095
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_batch_has_the_bits_of_the_single_call_with_both_kinds_mixed(method: str) -> None:
+@pytest.mark.parametrize("bound", BOUNDS)
+def test_a_batch_has_the_bits_of_the_single_call_with_both_kinds_mixed(bound: str) -> None:
     rng = np.random.default_rng(6)
     robot = tied(random_robot(rng, 7, tree=True), 5, rng)
     assert robot.framed.any()
     assert not robot.framed.all()
     states = [random_state(rng, 5) for _ in range(19)]
     columns = [np.array(column) for column in zip(*states, strict=True)]
-    batch = mr.inverse_dynamics_bounds_batch(robot, *columns, method=method)
-    single = [mr.inverse_dynamics_bounds(robot, *state, method=method) for state in states]
+    batch = mr.inverse_dynamics_bounds_batch(robot, *columns, bound=bound)
+    single = [mr.inverse_dynamics_bounds(robot, *state, bound=bound) for state in states]
     np.testing.assert_array_equal(np.array(batch), np.array(single).swapaxes(0, 1))
 
 
@@ -199,8 +199,8 @@ def test_a_body_about_the_com_keeps_its_bits_beside_one_about_the_frame() -> Non
     other = replace(robot, inertia_about=("frame", *robot.inertia_about[1:]))
     assert robot.body_joints[0] == -1  # fixed to the base: what it is about changes no torque
     state = random_state(rng, 4)
-    for method in METHODS:
-        pair = [mr.inverse_dynamics_bounds(r, *state, method=method) for r in (robot, other)]
+    for bound in BOUNDS:
+        pair = [mr.inverse_dynamics_bounds(r, *state, bound=bound) for r in (robot, other)]
         np.testing.assert_array_equal(*pair)
 
 

@@ -19,7 +19,7 @@ from modrobust.model import Robot
 from support.paths import ROOT
 from support.random_robots import random_robot, tied
 
-METHODS = ["hull", "ianea"]
+BOUNDS = ["hull", "ianea"]
 COUNTS = [0, 1, 7, 8, 9, 1000]
 SHAPES: list[dict[str, Any]] = [
     {"simple": True, "n": 6},
@@ -41,42 +41,42 @@ def states(rng: np.random.Generator, k: int, n: int) -> list[Any]:
     return [Q, *rates]
 
 
-def one_by_one(robot: Robot, rows: list[Any], method: str, drives: bool) -> Any:
+def one_by_one(robot: Robot, rows: list[Any], bound: str, drives: bool) -> Any:
     """(2, k, n) by the single call."""
     found = [
-        mr.inverse_dynamics_bounds(robot, *row, method=method, drives=drives)
+        mr.inverse_dynamics_bounds(robot, *row, bound=bound, drives=drives)
         for row in zip(*rows, strict=True)
     ]
     return np.array(found).reshape(-1, 2, robot.n).swapaxes(0, 1)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("bound", BOUNDS)
 @pytest.mark.parametrize("shape", SHAPES, ids=str)
-def test_a_batch_has_the_bits_of_the_single_call(shape: dict[str, Any], method: str) -> None:
+def test_a_batch_has_the_bits_of_the_single_call(shape: dict[str, Any], bound: str) -> None:
     rng = np.random.default_rng(1)
     for drives in (False, True):
         robot = random_robot(rng, **shape)
         rows = states(rng, 1000, robot.n)
-        expected = one_by_one(robot, rows, method, drives)
+        expected = one_by_one(robot, rows, bound, drives)
         for k in COUNTS:
             for threads in (1, 2, 5):
                 bounds = mr.inverse_dynamics_bounds_batch(
-                    robot, *(a[:k] for a in rows), method=method, drives=drives, threads=threads
+                    robot, *(a[:k] for a in rows), bound=bound, drives=drives, threads=threads
                 )
                 assert [side.shape for side in bounds] == [(k, robot.n)] * 2
                 assert np.array(bounds).tobytes() == expected[:, :k].tobytes()
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_batch_has_the_bits_of_the_single_call_where_joints_follow_others(method: str) -> None:
+@pytest.mark.parametrize("bound", BOUNDS)
+def test_a_batch_has_the_bits_of_the_single_call_where_mimic_joints_move(bound: str) -> None:
     rng = np.random.default_rng(2)
     shapes = ({"types": "rprpr"}, {"n": 8, "tree": True}, {"types": "rrprr"})
     for shape, anywhere in zip(shapes, (False, False, True), strict=True):
         robot = tied(random_robot(rng, **shape), 3, rng, anywhere)  # type: ignore[arg-type]
         rows = states(rng, 100, robot.n)
-        rows[0] *= 0.1  # a follower turns up to twice as far
-        bounds = mr.inverse_dynamics_bounds_batch(robot, *rows, method=method, threads=2)
-        np.testing.assert_array_equal(bounds, one_by_one(robot, rows, method, True))
+        rows[0] *= 0.1  # a mimic joint turns up to twice as far
+        bounds = mr.inverse_dynamics_bounds_batch(robot, *rows, bound=bound, threads=2)
+        np.testing.assert_array_equal(bounds, one_by_one(robot, rows, bound, True))
 
 
 def test_a_batch_takes_integers_lists_and_arrays_of_any_layout() -> None:
@@ -153,7 +153,7 @@ def test_an_input_that_is_refused_is_named_with_its_row(row: int, threads: int) 
 def test_unknown_methods_and_thread_counts_are_refused() -> None:
     rows = [ZEROS] * 4
     for options, text in (
-        ({"method": "best"}, "method: 'best' is not known; known: hull, ianea"),
+        ({"bound": "best"}, "bound: 'best' is not known; known: hull, ianea"),
         ({"threads": 0}, "threads: 0"),
         ({"threads": 1.5}, "threads: 1.5"),
     ):

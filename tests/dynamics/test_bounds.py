@@ -28,7 +28,7 @@ from support.rounding import (
     torque_error,
 )
 
-METHODS = ["hull", "ianea"]
+BOUNDS = ["hull", "ianea"]
 WIDTHS = ["exact", "narrow", "wide", "mixed"]
 SHAPES: list[dict[str, Any]] = [
     {"simple": True, "n": 6},
@@ -49,9 +49,9 @@ def test_ianea_encloses_the_transcription(shape: dict[str, Any], width: Any) -> 
         robot = random_robot(rng, **shape, width=width)
         for rate in (0.0, 2.0, 30.0):
             state = random_state(rng, robot.n, rate)
-            bounds = mr.inverse_dynamics_bounds(robot, *state, method="ianea", drives=drives)
+            bounds = mr.inverse_dynamics_bounds(robot, *state, bound="ianea", drives=drives)
             expected = newton_euler(robot, box(robot), *as_long(state), drives=drives)
-            allowed = excess_allowed(robot, *state, method="ianea", drives=drives)
+            allowed = excess_allowed(robot, *state, bound="ianea", drives=drives)
             assert_encloses(bounds, (expected.lo, expected.hi), allowed)
 
 
@@ -64,7 +64,7 @@ def test_rounding_in_ianea_is_that_of_the_hull_but_for_turned_boxes(shape: dict[
         robot = point(random_robot(rng, **shape))
         for rate in (0.0, 2.0, 30.0):
             state = random_state(rng, robot.n, rate)
-            lo, hi = mr.inverse_dynamics_bounds(robot, *state, method="ianea", drives=False)
+            lo, hi = mr.inverse_dynamics_bounds(robot, *state, bound="ianea", drives=False)
             most = 7.0 * 3.0 ** ((depth(robot) - 1) / 2) * slack(robot, *state, drives=False)
             assert np.all((hi - lo) / 2 <= most), (hi - lo) / 2 / most
 
@@ -129,8 +129,8 @@ def test_bounds_contain_the_torque_of_sampled_and_corner_parameters(
             torques = np.array([mr.inverse_dynamics(robot, *state, parameters=p) for p in points])
             errors = np.array([torque_error(robot, *state, parameters=p) for p in points])
             lowest, highest = (torques + errors).min(axis=0), (torques - errors).max(axis=0)
-            for method in METHODS:
-                lo, hi = mr.inverse_dynamics_bounds(robot, *state, method=method)
+            for bound in BOUNDS:
+                lo, hi = mr.inverse_dynamics_bounds(robot, *state, bound=bound)
                 assert np.all(lo <= lowest)
                 assert np.all(hi >= highest)
 
@@ -206,8 +206,8 @@ def test_hull_lies_inside_ianea(shape: dict[str, Any], width: Any) -> None:
         robot = random_robot(rng, **shape, width=width)
         state = random_state(rng, robot.n, rate)
         for function in (mr.inverse_dynamics_bounds, mr.perturbation_bounds):
-            lo, hi = function(robot, *state, method="hull")
-            wide_lo, wide_hi = function(robot, *state, method="ianea")
+            lo, hi = function(robot, *state, bound="hull")
+            wide_lo, wide_hi = function(robot, *state, bound="ianea")
             allowed = excess_allowed(robot, *state)
             assert np.all(lo >= wide_lo - allowed)
             assert np.all(hi <= wide_hi + allowed)
@@ -227,26 +227,26 @@ def shrink(robot: Robot, factor: float) -> Robot:
     return replace(robot, lower=scaled(robot.lower), upper=scaled(robot.upper))
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_bounds_shrink_to_the_point_value_with_the_box(method: str) -> None:
+@pytest.mark.parametrize("bound", BOUNDS)
+def test_bounds_shrink_to_the_point_value_with_the_box(bound: str) -> None:
     rng = np.random.default_rng(6)
     robot = random_robot(rng, 6)
     state = random_state(rng, 6)
     tau = mr.inverse_dynamics(robot, *state)
-    full = np.subtract(*mr.inverse_dynamics_bounds(robot, *state, method=method)[::-1])
+    full = np.subtract(*mr.inverse_dynamics_bounds(robot, *state, bound=bound)[::-1])
     for factor in (1e-2, 1e-4, 1e-6):
         smaller = shrink(robot, factor)
-        lo, hi = mr.inverse_dynamics_bounds(smaller, *state, method=method)
+        lo, hi = mr.inverse_dynamics_bounds(smaller, *state, bound=bound)
         assert np.all(lo <= tau + torque_error(robot, *state))
         assert np.all(hi >= tau - torque_error(robot, *state))
         # Coulomb friction keeps the difference of the smooth and the true sign, about 1e-6 here
         sign = np.abs(np.sign(state[1]) - state[1] / np.hypot(state[1], robot.coulomb_speed))
         floor = robot.upper.coulomb * sign
-        rounding = excess_allowed(smaller, *state, method=method)
+        rounding = excess_allowed(smaller, *state, bound=bound)
         assert np.all(hi - lo <= 2 * factor * full + floor + 2 * rounding)
-    bounds = mr.inverse_dynamics_bounds(point(robot), *state, method=method, drives=False)
+    bounds = mr.inverse_dynamics_bounds(point(robot), *state, bound=bound, drives=False)
     rigid = newton_euler(robot, robot.nominal, *as_long(state))
-    allowed = excess_allowed(point(robot), *state, method=method, drives=False)
+    allowed = excess_allowed(point(robot), *state, bound=bound, drives=False)
     assert_encloses(bounds, (rigid, rigid), allowed)
 
 
@@ -264,18 +264,18 @@ def test_the_hull_of_an_exact_robot_is_its_torque_give_or_take_the_slack() -> No
     assert_encloses((phi_lo, phi_hi), (-d.hi, -d.lo), allowed)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("bound", BOUNDS)
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_perturbation_set_is_the_bounds_less_nominal_less_disturbance(
-    method: str, width: Any
+    bound: str, width: Any
 ) -> None:
     rng = np.random.default_rng(8)
     for shape in SHAPES:
         robot = random_robot(rng, **shape, width=width)
         state = random_state(rng, robot.n)
         u0 = mr.inverse_dynamics(robot, *state)
-        lo, hi = mr.inverse_dynamics_bounds(robot, *state, method=method)
-        phi_lo, phi_hi = mr.perturbation_bounds(robot, *state, method=method)
+        lo, hi = mr.inverse_dynamics_bounds(robot, *state, bound=bound)
+        phi_lo, phi_hi = mr.perturbation_bounds(robot, *state, bound=bound)
         d = robot.disturbance
         sizes = np.abs([lo, hi]).max(axis=0) + np.abs(u0) + np.abs([d.lo, d.hi]).max(axis=0)
         atol = 4 * ULP * sizes.max()
@@ -291,16 +291,16 @@ def test_a_disturbance_enters_the_perturbation_set_with_its_sign_reversed() -> N
     assert_encloses(bounds, (-3 * d, -d), excess_allowed(robot, zero, zero, zero, zero))
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_larger_box_gives_larger_bounds(method: str) -> None:
+@pytest.mark.parametrize("bound", BOUNDS)
+def test_a_larger_box_gives_larger_bounds(bound: str) -> None:
     rng = np.random.default_rng(10)
     for shape in SHAPES:
         robot = random_robot(rng, **shape)
         for rate in (0.0, 3.0):
             state = random_state(rng, robot.n, rate)
-            inner = mr.inverse_dynamics_bounds(shrink(robot, 0.6), *state, method=method)
-            outer = mr.inverse_dynamics_bounds(robot, *state, method=method)
-            allowed = excess_allowed(shrink(robot, 0.6), *state, method=method)
+            inner = mr.inverse_dynamics_bounds(shrink(robot, 0.6), *state, bound=bound)
+            outer = mr.inverse_dynamics_bounds(robot, *state, bound=bound)
+            allowed = excess_allowed(shrink(robot, 0.6), *state, bound=bound)
             assert np.all(outer[0] <= inner[0] + allowed)
             assert np.all(outer[1] >= inner[1] - allowed)
 
@@ -328,17 +328,17 @@ def test_ianea_pays_for_using_the_centre_of_mass_twice() -> None:
     # c x (m dw x c) by Definition 4: [c_x][c_x] reaches -0.06, where c_x^2 is never negative
     robot = spinning_body([0.1, 0.0, 0.2], [-0.2, -0.1, 0.2], [0.3, 0.1, 0.2])
     state = [0.7], [0.0], [0.0], [1.0]
-    bounds = mr.inverse_dynamics_bounds(robot, *state, method="ianea")
+    bounds = mr.inverse_dynamics_bounds(robot, *state, bound="ianea")
     expected = 0.3 - 2.0 * (0.06 + 0.01), 0.3 + 2.0 * (0.09 + 0.01)
-    assert_encloses(bounds, expected, excess_allowed(robot, *state, method="ianea"))
+    assert_encloses(bounds, expected, excess_allowed(robot, *state, bound="ianea"))
 
 
 def test_a_parameter_of_nominal_zero_has_its_absolute_width() -> None:
     # a pendulum whose COM lies on the axis, give or take 2 cm, turned out of the vertical
     robot = spinning_body([0.0, 0.0, 0.0], [-0.02, -0.02, 0.0], [0.02, 0.02, 0.0])
     robot = replace(robot, gravity=np.array([0.0, -9.81, 0.0]))
-    for method in METHODS:
-        bounds = mr.inverse_dynamics_bounds(robot, [0.0], [0.0], [0.0], [0.0], method=method)
+    for bound in BOUNDS:
+        bounds = mr.inverse_dynamics_bounds(robot, [0.0], [0.0], [0.0], [0.0], bound=bound)
         weight = 2.0 * 9.81 * 0.02
         assert_encloses(bounds, (-weight, weight), 1e-13)
 
@@ -358,8 +358,8 @@ def test_a_product_of_inertia_counts_for_both_of_its_entries() -> None:
         assert np.all(hi - lo > 1e-4)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_bounds_follow_gravity_at_rest(method: str) -> None:
+@pytest.mark.parametrize("bound", BOUNDS)
+def test_bounds_follow_gravity_at_rest(bound: str) -> None:
     # a known program caches its bounds by velocity and acceleration and forgets gravity
     rng = np.random.default_rng(12)
     robot = random_robot(rng, types="rrp")
@@ -367,9 +367,7 @@ def test_bounds_follow_gravity_at_rest(method: str) -> None:
     seen = []
     for gravity in ([0, 0, -9.81], [0, 0, 9.81], [9.81, 0, 0], [0, 0, 0], [0, 0, -9.81]):
         pulled = replace(robot, gravity=np.array(gravity, dtype=float))
-        lo, hi = mr.inverse_dynamics_bounds(
-            pulled, q, zero, zero, zero, method=method, drives=False
-        )
+        lo, hi = mr.inverse_dynamics_bounds(pulled, q, zero, zero, zero, bound=bound, drives=False)
         if any(gravity):
             assert np.all(hi - lo > 1e-3)
         else:
@@ -380,12 +378,12 @@ def test_bounds_follow_gravity_at_rest(method: str) -> None:
     assert np.abs(seen[2] - seen[0]).max() > 0.1
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_bounds_of_prismatic_joints_are_not_zero(method: str) -> None:
+@pytest.mark.parametrize("bound", BOUNDS)
+def test_bounds_of_prismatic_joints_are_not_zero(bound: str) -> None:
     rng = np.random.default_rng(13)
     robot = random_robot(rng, types="prppr", drives=False)
     state = random_state(rng, 5)
-    lo, hi = mr.inverse_dynamics_bounds(robot, *state, method=method)
+    lo, hi = mr.inverse_dynamics_bounds(robot, *state, bound=bound)
     assert np.all(hi - lo > 1e-3)
     assert np.all(np.abs(lo) + np.abs(hi) > 1e-2)
 
@@ -399,21 +397,21 @@ def test_a_vertical_slide_has_the_hull_of_its_weight() -> None:
         lower=replace(robot.nominal, mass=np.array([0.0])),
         upper=replace(robot.nominal, mass=np.array([5.0])),
     )
-    for method in METHODS:
-        bounds = mr.inverse_dynamics_bounds(robot, [0.2], [0.5], [0.7], [2.0], method=method)
+    for bound in BOUNDS:
+        bounds = mr.inverse_dynamics_bounds(robot, [0.2], [0.5], [0.7], [2.0], bound=bound)
         assert_encloses(bounds, (0.0, 5.0 * (9.81 + 2.0)), 1e-11)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("bound", BOUNDS)
 @pytest.mark.parametrize("dq", [0.0, 1e-5, -1e-3, 1e-3, 1.0001e-3, -2e-3, 0.05, -4.0])
-def test_friction_bounds_hold_for_the_smooth_and_the_true_sign(method: str, dq: float) -> None:
+def test_friction_bounds_hold_for_the_smooth_and_the_true_sign(bound: str, dq: float) -> None:
     rng = np.random.default_rng(14)
     robot = random_robot(rng, types="rpr")
     q, _, dq_a, ddq_a = random_state(rng, 3)
     speed = np.full(3, dq)
-    lo, hi = mr.inverse_dynamics_bounds(robot, q, speed, dq_a, ddq_a, method=method)
+    lo, hi = mr.inverse_dynamics_bounds(robot, q, speed, dq_a, ddq_a, bound=bound)
     rigid_lo, rigid_hi = mr.inverse_dynamics_bounds(
-        robot, q, speed, dq_a, ddq_a, method=method, drives=False
+        robot, q, speed, dq_a, ddq_a, bound=bound, drives=False
     )
     low, high = robot.lower, robot.upper
     smooth = dq / np.hypot(dq, 1e-3)
@@ -426,13 +424,13 @@ def test_friction_bounds_hold_for_the_smooth_and_the_true_sign(method: str, dq: 
         for rotor in (low.rotor_inertia, high.rotor_inertia)
         for sign in signs
     ]
-    atol = excess_allowed(robot, q, speed, dq_a, ddq_a, method=method)
+    atol = excess_allowed(robot, q, speed, dq_a, ddq_a, bound=bound)
     assert np.all(np.abs(lo - rigid_lo - np.min(corners, axis=0)) <= atol)
     assert np.all(np.abs(hi - rigid_hi - np.max(corners, axis=0)) <= atol)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_bounds_scale_with_mass_and_inertia(method: str) -> None:
+@pytest.mark.parametrize("bound", BOUNDS)
+def test_bounds_scale_with_mass_and_inertia(bound: str) -> None:
     rng = np.random.default_rng(15)
     robot = random_robot(rng, 5, drives=False)
 
@@ -443,37 +441,37 @@ def test_bounds_scale_with_mass_and_inertia(method: str) -> None:
         robot, nominal=heavy(robot.nominal), lower=heavy(robot.lower), upper=heavy(robot.upper)
     )
     state = random_state(rng, 5)
-    bounds = np.array(mr.inverse_dynamics_bounds(robot, *state, method=method))
+    bounds = np.array(mr.inverse_dynamics_bounds(robot, *state, bound=bound))
     # a power of two: the very same roundings
     np.testing.assert_array_equal(
-        mr.inverse_dynamics_bounds(other, *state, method=method), 4 * bounds
+        mr.inverse_dynamics_bounds(other, *state, bound=bound), 4 * bounds
     )
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_bounds_mirror_when_gravity_and_motion_are_reversed(method: str) -> None:
+@pytest.mark.parametrize("bound", BOUNDS)
+def test_bounds_mirror_when_gravity_and_motion_are_reversed(bound: str) -> None:
     # tau is odd in (gravity, ddq_a) when the rates are zero
     rng = np.random.default_rng(16)
     robot = random_robot(rng, 6, drives=False)
     q, _, _, ddq_a = random_state(rng, 6)
     zero = np.zeros(6)
-    lo, hi = mr.inverse_dynamics_bounds(robot, q, zero, zero, ddq_a, method=method)
+    lo, hi = mr.inverse_dynamics_bounds(robot, q, zero, zero, ddq_a, bound=bound)
     other = replace(robot, gravity=-robot.gravity)
-    minus_hi, minus_lo = mr.inverse_dynamics_bounds(other, q, zero, zero, -ddq_a, method=method)
-    atol = excess_allowed(robot, q, zero, zero, ddq_a, method=method)
+    minus_hi, minus_lo = mr.inverse_dynamics_bounds(other, q, zero, zero, -ddq_a, bound=bound)
+    atol = excess_allowed(robot, q, zero, zero, ddq_a, bound=bound)
     assert np.all(np.abs([lo + minus_lo, hi + minus_hi]) <= atol)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_bodies_fixed_to_the_base_add_no_width(method: str) -> None:
+@pytest.mark.parametrize("bound", BOUNDS)
+def test_bodies_fixed_to_the_base_add_no_width(bound: str) -> None:
     rng = np.random.default_rng(17)
     robot = random_robot(rng, 3)
     mass = robot.upper.mass.copy()
     mass[robot.body_joints == -1] += 50.0
     state = random_state(rng, 3)
-    there = mr.inverse_dynamics_bounds(robot, *state, method=method)
+    there = mr.inverse_dynamics_bounds(robot, *state, bound=bound)
     heavier = replace(robot, upper=replace(robot.upper, mass=mass))
-    np.testing.assert_array_equal(mr.inverse_dynamics_bounds(heavier, *state, method=method), there)
+    np.testing.assert_array_equal(mr.inverse_dynamics_bounds(heavier, *state, bound=bound), there)
 
 
 def test_the_exact_hull_of_the_tests_finds_an_interior_maximum() -> None:

@@ -376,11 +376,11 @@ def test_a_number_that_is_not_finite_is_refused(k: int, bad: float) -> None:
     state[k][1] = bad
     with pytest.raises(ValueRangeError):
         mr.inverse_dynamics(robot, *state)
-    for method in ("hull", "ianea"):
+    for bound in ("hull", "ianea"):
         with pytest.raises(ValueRangeError):
-            mr.inverse_dynamics_bounds(robot, *state, method=method)
+            mr.inverse_dynamics_bounds(robot, *state, bound=bound)
         with pytest.raises(ValueRangeError):
-            mr.perturbation_bounds(robot, *state, method=method)
+            mr.perturbation_bounds(robot, *state, bound=bound)
 
 
 @pytest.mark.parametrize("k", range(4))

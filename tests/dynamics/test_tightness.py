@@ -67,7 +67,7 @@ def test_hull_is_as_wide_as_the_true_range_where_next_to_nothing_is_unknown() ->
 def test_hull_of_the_built_in_robots_is_as_wide_as_the_true_range(name: str) -> None:
     robot = mr.load_robot(name)
     if robot.j != robot.n:
-        pytest.skip("joints that follow others: the hull is exact per joint of the tree only")
+        pytest.skip("mimic joints: the hull is exact per joint of the tree only")
     rng = np.random.default_rng(5)
     many = [
         Case(robot, random_state(rng, robot.n, rate), drives, f"{name}, {drives=}")

@@ -171,11 +171,11 @@ def test_what_mjcf_cannot_hold_is_listed_in_the_file_and_returned() -> None:
     assert all(line in losses(exported.text) for line in exported.lost)
 
 
-def test_joints_that_follow_another_are_written_as_such() -> None:
+def test_mimic_joints_are_written_as_such() -> None:
     rng = np.random.default_rng(8)
     robot = replace(tied(random_robot(rng, types="prrr"), 2, rng))
     robot = replace(robot, position_limits=np.array([[-1.0, 2.0], [-0.5, 0.25]]))
-    f = robot.followers
+    f = robot.mimic
     root = ET.fromstring(urdf_text(robot).text)
     for k, name in enumerate(f.names):
         joint = next(j for j in root.findall("joint") if j.get("name") == name)
@@ -188,7 +188,7 @@ def test_joints_that_follow_another_are_written_as_such() -> None:
         ends = f.multiplier[k] * robot.position_limits[f.leaders[k]] + f.offset[k]
         assert [float(limit.get(e, "nan")) for e in ("lower", "upper")] == sorted(ends)
     exported = mjcf_text(robot)
-    assert "that joint2, joint3 follow exactly; MuJoCo's equality is soft" in exported.lost
+    assert "that joint2, joint3 mimic exactly; MuJoCo's equality is soft" in exported.lost
     model = MjcfTwin(exported.text, robot).model
     np.testing.assert_array_equal(model.eq_data[:, 0], f.offset)
     np.testing.assert_array_equal(model.eq_data[:, 1], f.multiplier)

@@ -152,18 +152,18 @@ static mr_parameters allocate_point(fuzz_case *c, int32_t b, int32_t j) {
 }
 
 static void take_model(fuzz_case *c, bytes *in) {
-    const int32_t n = 1 + take_byte(in) % 12, followers = take_byte(in) % 4;
-    const int32_t j = n + followers, b = take_byte(in) % 16;
+    const int32_t n = 1 + take_byte(in) % 12, mimic_joints = take_byte(in) % 4;
+    const int32_t j = n + mimic_joints, b = take_byte(in) % 16;
     int32_t *type = allocate(c, (size_t)j * 4), *parent = allocate(c, (size_t)j * 4);
     int32_t *moves = allocate(c, (size_t)j * 4), *joint = allocate(c, (size_t)b * 4);
-    int32_t *leader = allocate(c, (size_t)followers * 4);
+    int32_t *leader = allocate(c, (size_t)mimic_joints * 4);
     mr_transform *before = allocate(c, (size_t)j * sizeof *before);
     mr_transform *after = allocate(c, (size_t)j * sizeof *after);
     mr_transform *placement = allocate(c, (size_t)b * sizeof *placement);
     int32_t *about = allocate(c, (size_t)b * 4);
     double *ratio = allocate(c, (size_t)j * 8), *speed = allocate(c, (size_t)j * 8);
-    double *multiplier = allocate(c, (size_t)followers * 8);
-    double *offset = allocate(c, (size_t)followers * 8);
+    double *multiplier = allocate(c, (size_t)mimic_joints * 8);
+    double *offset = allocate(c, (size_t)mimic_joints * 8);
     for (int32_t i = 0; i < j; ++i) {
         type[i] = take_byte(in) & 1;
         parent[i] = take_byte(in) % (i + 1) - 1;
@@ -173,12 +173,12 @@ static void take_model(fuzz_case *c, bytes *in) {
         speed[i] = take_double(in);
         if (!(speed[i] >= 0.0)) c->usual = 0;
     }
-    for (int32_t i = 0, free = 0; i < j; ++i) { /* as many follow as shall, any of them */
-        const int follows = (take_byte(in) & 1 && i - free < followers) || free == n;
-        moves[follows ? n + i - free : free] = i;
-        free += !follows;
+    for (int32_t i = 0, free = 0; i < j; ++i) { /* as many mimic as shall, any of them */
+        const int mimics = (take_byte(in) & 1 && i - free < mimic_joints) || free == n;
+        moves[mimics ? n + i - free : free] = i;
+        free += !mimics;
     }
-    for (int32_t i = 0; i < followers; ++i) {
+    for (int32_t i = 0; i < mimic_joints; ++i) {
         leader[i] = take_byte(in) % n;
         multiplier[i] = take_double(in);
         offset[i] = take_double(in);
@@ -205,9 +205,9 @@ static void take_model(fuzz_case *c, bytes *in) {
                           .placement = placement,
                           .inertia_about = about};
     for (int k = 0; k < 3; ++k) c->model.gravity[k] = take_double(in);
-    double *folded = allocate(c, mr_folded_size(&c->model) * sizeof *folded);
-    mr_fold(&c->model, folded);
-    c->model.folded = folded;
+    double *precomputed = allocate(c, mr_precomputed_size(&c->model) * sizeof *precomputed);
+    mr_precompute_model(&c->model, precomputed);
+    c->model.precomputed = precomputed;
 }
 
 static void take_bounds(fuzz_case *c, bytes *in) {

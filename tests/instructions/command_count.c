@@ -10,9 +10,9 @@ int main(int count, char **arguments) {
     const long rounds = count > 1 ? strtol(arguments[1], NULL, 10) : 1;
     mr_model model = command_model;
     mr_bounds bounds = command_bounds;
-    double *folded = malloc(mr_folded_size(&model) * sizeof *folded);
-    mr_fold(&model, folded);
-    model.folded = folded;
+    double *precomputed = malloc(mr_precomputed_size(&model) * sizeof *precomputed);
+    mr_precompute_model(&model, precomputed);
+    model.precomputed = precomputed;
     double *prepared = malloc(mr_prepared_size(&model) * sizeof *prepared);
     mr_prepare(&model, &bounds, prepared);
     bounds.prepared = prepared;

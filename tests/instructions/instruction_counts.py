@@ -23,7 +23,7 @@ import numpy as np
 
 import modrobust as mr
 import modrobust.kernel
-from modrobust.kernel import METHODS
+from modrobust.kernel import BOUNDS
 
 HERE = Path(__file__).parent
 STORED = HERE.parent / "data" / "instruction_counts.json"
@@ -72,7 +72,7 @@ def uncertain(robot: mr.Robot) -> mr.Robot:
 
 
 Case = tuple[Callable[[mr.Robot], mr.Robot], str, float]
-CASES: dict[str, Case] = {  # robot, method, size of the signals
+CASES: dict[str, Case] = {  # robot, bound, size of the signals
     "Table II, hull": (lambda robot: robot, "hull", RATE),
     "Table II, ianea": (lambda robot: robot, "ianea", RATE),
     "every body uncertain, hull": (uncertain, "hull", RATE),
@@ -99,9 +99,9 @@ def transforms(name: str, T: Any) -> str:
     return f"static const mr_transform {name}[] = {{{rows}}};\n"
 
 
-def data(robot: mr.Robot, method: str, rate: float) -> str:
+def data(robot: mr.Robot, bound: str, rate: float) -> str:
     """command_data.h: the robot, its box and gains, and signals at fixed random states."""
-    f, d, c = robot.followers, robot.disturbance, robot.controller
+    f, d, c = robot.mimic, robot.disturbance, robot.controller
     b, j = robot.b, robot.j
     x, y, z = (row * g for row, g in zip(robot.base[:3, :3], robot.gravity, strict=True))
     points = {"nominal": robot.nominal, "lower": robot.lower, "upper": robot.upper}
@@ -143,7 +143,7 @@ def data(robot: mr.Robot, method: str, rate: float) -> str:
     gains = floats([c.kappa_P, c.kappa_I, c.phi_P, c.phi_I, c.epsilon])
     out.append(
         f"static const mr_gains command_gains = {{K_r, {gains}, MR_LAW_NORM, "
-        f"(mr_method){METHODS[method]}}};\n"
+        f"(mr_method){BOUNDS[bound]}}};\n"
     )
     return "".join(out)
 
@@ -177,8 +177,8 @@ def count_all() -> dict[str, float]:
         for source in sorted(KERNEL.glob("*.c")):
             objects.append(folder / f"{source.stem}.o")
             subprocess.run(["gcc", *FLAGS, "-c", source, "-o", objects[-1]], check=True)
-        for name, (of, method, rate) in CASES.items():
-            (folder / "command_data.h").write_text(data(of(paper), method, rate))
+        for name, (of, bound, rate) in CASES.items():
+            (folder / "command_data.h").write_text(data(of(paper), bound, rate))
             program = folder / "count"
             include = ["-I", folder, "-I", KERNEL]
             source = HERE / "command_count.c"

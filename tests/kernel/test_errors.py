@@ -30,7 +30,7 @@ def with_entry(index: int, value: float) -> Any:
     [
         mr.inverse_dynamics,
         mr.inverse_dynamics_bounds,
-        lambda *state: mr.inverse_dynamics_bounds(*state, method="ianea"),
+        lambda *state: mr.inverse_dynamics_bounds(*state, bound="ianea"),
         mr.perturbation_bounds,
     ],
 )

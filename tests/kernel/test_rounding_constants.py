@@ -35,10 +35,10 @@ def derived() -> dict[str, int]:
     placement = fixed + rotate
     # 1
     rotation = e["sine"] + e["turn"] + 2 * fixed + e["multiply"]
-    lever = placement + e["constant lever"] + axis + scale + add + e["follower's angle"]
+    lever = placement + e["constant lever"] + axis + scale + add + e["mimic joint's angle"]
     turned = rotation + rotate
     # 2
-    rate = axis + scale + e["follower's rate"]
+    rate = axis + scale + e["mimic joint's rate"]
     velocity = turned + add + 2 * rate
     # 3: on dW, on 2 W Wa, on 2 S Wa
     carried = velocity + turned + cross + rate
@@ -50,7 +50,7 @@ def derived() -> dict[str, int]:
     motion = acceleration + 2 * add + placement + add
     # 5
     body = motion + scale + cross + 2 * add + placement + add
-    share = scale + 1  # of a follower, and its multiplier as written
+    share = scale + 1  # of a mimic joint, and its multiplier as written
     nominal = body + lever + cross + dot + axis + add + share
     # 6
     pose = rotation + e["multiply"]
@@ -70,7 +70,7 @@ def derived() -> dict[str, int]:
         "LEVER": lever,
         "MOTION_JOINT": spin,
         "MOTION_ONCE": motion,
-        "BOX_TURN": rotate + 2 * add,
+        "BOX_ROTATION": rotate + 2 * add,
         "BOX_MOMENT": cross + add,
         "BOX_AXIS": dot + add,
         "NOMINAL_JOINT": spin + turned + 2 * add,
@@ -133,17 +133,17 @@ def test_the_page_states_the_same_rates() -> None:
     assert f"({stated()['DRIVE']:.0f} + j - n)" in PAGE
     assert stated()["DEFECTS"] == 8
     assert "added to all rates eight times" in PAGE
-    assert f"\\varphi/{1 / stated()['FOLLOWED']:.0f}$" in PAGE
-    for name in ("SECOND_ORDER", "RATE_MAX", "UNDER", "HUGE"):
+    assert f"\\varphi/{1 / stated()['MIMIC_ANGLE']:.0f}$" in PAGE
+    for name in ("SECOND_ORDER", "RATE_MAX", "UNDERFLOW", "HUGE"):
         assert f"$2^{{{math.log2(stated()[name]):.0f}}}$" in PAGE, name
 
 
-def test_the_angles_of_followers_are_within_the_growth_of_the_rates() -> None:
+def test_the_angles_of_mimic_joints_are_within_the_growth_of_the_rates() -> None:
     rates = derived()
     for uses, kind in ((3, "NOMINAL"), (7, "CHANGE")):
         least = rates[f"{kind}_JOINT"] + rates[f"{kind}_ONCE"]
         assert f"{least} " in PAGE or f"{least})" in PAGE
-        assert uses * math.sqrt(2) <= least * stated()["FOLLOWED"]
+        assert uses * math.sqrt(2) <= least * stated()["MIMIC_ANGLE"]
 
 
 def test_a_changed_count_changes_a_constant(monkeypatch: pytest.MonkeyPatch) -> None:

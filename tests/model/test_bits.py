@@ -78,7 +78,7 @@ def packed(folder: Path) -> dict[str, bytes]:
         found[f"{name}, file"] = b.digest()
         found[f"{name}, points"] = b"".join(point.packed.tobytes() for point in points)
         state = np.random.default_rng(2).uniform(-1.0, 1.0, (4, robot.n))
-        bounds = (mr.inverse_dynamics_bounds(robot, *state, method=m) for m in ("hull", "ianea"))
+        bounds = (mr.inverse_dynamics_bounds(robot, *state, bound=m) for m in ("hull", "ianea"))
         found[f"{name}, bounds"] = b"".join(end.tobytes() for pair in bounds for end in pair)
     sines = paper_trajectory(mr.load_robot("lwa4p-paper"))
     found["motion"] = b"".join(x.tobytes() for x in sines.sample(np.linspace(0.0, 10.0, 1001)))

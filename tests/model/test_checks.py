@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from modrobust.errors import ShapeError, ValueRangeError
-from modrobust.model import Followers, Robot, synthetic_chain
+from modrobust.model import MimicJoints, Robot, synthetic_chain
 
 
 def mirrored(robot: Robot) -> Any:
@@ -54,9 +54,9 @@ def mirrored(robot: Robot) -> Any:
             "2 joints and 2 bodies",
         ),
         (
-            lambda r: {"followers": Followers(("x",), np.array([0]), np.ones(1), np.zeros(1))},
+            lambda r: {"mimic": MimicJoints(("x",), np.array([0]), np.ones(1), np.zeros(1))},
             ShapeError,
-            'followers.leaders: expected shape (0,), got (1,); robot "chain-2" has 2 free joints, '
+            'mimic.leaders: expected shape (0,), got (1,); robot "chain-2" has 2 free joints, '
             "2 joints and 2 bodies",
         ),
     ],

@@ -12,7 +12,7 @@ import pytest
 
 import modrobust as mr
 from modrobust.errors import ShapeError, ValueRangeError
-from modrobust.model import Bounded, Followers, Parameters, Robot, synthetic_chain
+from modrobust.model import Bounded, MimicJoints, Parameters, Robot, synthetic_chain
 from modrobust.model.physical import is_physical, least_second_moment
 from modrobust.model.sampling import sample_point
 
@@ -310,7 +310,7 @@ def test_a_copied_robot_is_the_same_and_as_read_only(name: str, copied: Any) -> 
     for scenario, point in robot.scenarios.items():
         np.testing.assert_array_equal(twin.scenarios[scenario].packed, point.packed)
     np.testing.assert_array_equal(mr.inverse_dynamics(twin, q, q, q, q), tau)
-    for array in (twin.before, twin.nominal.mass, twin.disturbance.lo, twin.followers.offset):
+    for array in (twin.before, twin.nominal.mass, twin.disturbance.lo, twin.mimic.offset):
         assert not array.flags.writeable
     with pytest.raises(TypeError):
         twin.scenarios["x"] = robot.nominal
@@ -369,8 +369,8 @@ def test_an_array_of_the_wrong_kind_is_refused_by_name(name: str, value: Any, me
 
 def test_leaders_beyond_32_bits_are_refused_and_never_wrapped() -> None:
     with pytest.raises(ValueRangeError, match=r"^leaders: holds 4294967296; an index must lie"):
-        Followers(("f",), np.array([2**32]), np.ones(1), np.zeros(1))
+        MimicJoints(("f",), np.array([2**32]), np.ones(1), np.zeros(1))
     with pytest.raises(ValueRangeError, match=r"^multiplier: holds truth values; expected numbers"):
-        Followers(("f",), np.array([0]), np.array([True]), np.zeros(1))
+        MimicJoints(("f",), np.array([0]), np.array([True]), np.zeros(1))
     with pytest.raises(ValueRangeError, match=r"^hi: holds complex entries; expected numbers"):
         Bounded(np.zeros(1), np.zeros(1), np.array([1j]))

@@ -12,7 +12,7 @@ import pytest
 import modrobust as mr
 from modrobust import _kernel
 from modrobust.errors import ValueRangeError
-from modrobust.model import Followers, Robot, synthetic_chain
+from modrobust.model import MimicJoints, Robot, synthetic_chain
 from modrobust.motion import Quintic, Splined, make_trajectory
 
 TURN = 2.0 * np.pi
@@ -122,8 +122,8 @@ def test_a_continuous_joint_has_no_position_limits() -> None:
         replace(endless(), position_limits=np.array([[-1.0, 1.0], [-np.inf, np.inf]]))
 
 
-def led(kind: str, multiplier: float) -> Robot:
-    """A continuous joint that another one follows."""
+def mimicked(kind: str, multiplier: float) -> Robot:
+    """A continuous joint that another one mimics."""
     robot = endless(3, ("continuous", "revolute", kind))
     return replace(
         robot,
@@ -139,7 +139,7 @@ def led(kind: str, multiplier: float) -> Robot:
             hi=robot.disturbance.hi[:2],
         ),
         controller=replace(robot.controller, K_r=robot.controller.K_r[:2]),
-        followers=Followers(
+        mimic=MimicJoints(
             ("mimic",), np.zeros(1, np.int32), np.array([multiplier]), np.array([0.3])
         ),
     )
@@ -154,10 +154,10 @@ def led(kind: str, multiplier: float) -> Robot:
         ("prismatic", 1.0, False),
     ],
 )
-def test_a_joint_wraps_only_where_a_turn_brings_its_followers_back(
+def test_a_joint_wraps_only_where_a_turn_brings_its_mimic_joints_back(
     kind: str, multiplier: float, wraps: bool
 ) -> None:
-    robot = led(kind, multiplier)
+    robot = mimicked(kind, multiplier)
     assert robot.wraps.tolist() == [wraps, False]
     assert robot.to_dict()["joints"][0]["type"] == "continuous"
     e = error(robot, [TURN, 0.0], [0.0, 0.0])

@@ -162,7 +162,7 @@ def test_the_largest_error_counts_from_the_last_time_that_epsilon_was_left() -> 
 
 
 @pytest.mark.parametrize("plant", ENGINES)
-@pytest.mark.parametrize("shape", ["chain", "tree", "followers", "carrying followers"])
+@pytest.mark.parametrize("shape", ["chain", "tree", "mimic", "carrying mimic joints"])
 def test_without_a_controller_the_motion_is_that_of_our_forward_dynamics(
     plant: str, shape: str
 ) -> None:
@@ -171,7 +171,7 @@ def test_without_a_controller_the_motion_is_that_of_our_forward_dynamics(
     robot = (
         random_robot(rng, types="rprrp") if shape == "chain" else random_robot(rng, 7, tree=True)
     )
-    if shape.endswith("followers"):
+    if shape.endswith("mimic"):
         robot = tied(robot, 4, rng, anywhere=shape.startswith("carrying"))
     point, d = robot.sample_parameters(rng), rng.normal(size=robot.n)
     q, dq = rng.normal(size=(2, robot.n))

@@ -57,7 +57,7 @@ def test_a_state_that_is_no_number_is_passed_over(robot: Robot) -> None:
 
 def test_a_torque_that_shakes_names_the_worst_joint_and_the_remedy(robot: Robot) -> None:
     assert said(robot, noisy=np.array([1.1, 854.3])) == [
-        'the torque shakes, joint "slide" most, 854 times the variation of the same signal at '
+        'the torque chatters, joint "slide" most, 854 times the variation of the same signal at '
         "10 Hz (limit 1.1); raise phi_P, lower kappa_P"
     ]
     assert "beyond all measure" in said(robot, noisy=np.array([np.inf, 2.0]))[0]

@@ -58,7 +58,7 @@ def short(robot: Robot, **options: Any) -> SimulationResult:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_the_papers_scenarios_keep_the_bound_and_reach_epsilon_for_good(
+def test_the_papers_scenarios_keep_the_bound_and_reach_epsilon_permanently(
     runs: dict[tuple[str, str], SimulationResult], case: tuple[str, str]
 ) -> None:
     run = runs[case]
@@ -361,7 +361,7 @@ def test_a_tensor_pulled_to_physical_is_reported(arm: Robot) -> None:
     wide[1, 0, 0] = 0.1
     robot = replace(arm, upper=replace(arm.upper, inertia=wide))
     run = short(robot, parameters="upper")
-    assert run.settings["pulled_to_physical"] == ["link2.body"]
+    assert run.settings["scaled_to_physical"] == ["link2.body"]
     assert run.settings["parameters_inside_bounds"]
     assert run.summary()["violations"] == 0
 

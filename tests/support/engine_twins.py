@@ -1,6 +1,6 @@
 """The exported files read by the engines they are for, called with the free joints in our order.
 
-Joints that follow another are like others to the engines; G leads them, q_all = G q + offset.
+Mimic joints are like others to the engines; G gives them all, q_all = G q + offset.
 """
 
 from __future__ import annotations
@@ -11,16 +11,16 @@ import numpy as np
 import pinocchio as pin
 
 
-class Led:
+class Mimicking:
     def __init__(self, robot: Any) -> None:
         self.robot = robot
-        f = robot.followers
+        f = robot.mimic
         self.G = np.zeros((robot.j, robot.n))
         self.G[robot.free, np.arange(robot.n)] = 1.0
         self.G[f.joints, f.leaders] = f.multiplier
 
 
-class UrdfTwin(Led):
+class UrdfTwin(Mimicking):
     """A URDF text in Pinocchio. Gravity and armature are ours to set: URDF holds neither."""
 
     def __init__(self, text: str, robot: Any) -> None:
@@ -58,7 +58,7 @@ class UrdfTwin(Led):
         return self.G.T @ M[np.ix_(self.idx_v, self.idx_v)] @ self.G
 
 
-class MjcfTwin(Led):
+class MjcfTwin(Mimicking):
     """An MJCF text in MuJoCo."""
 
     def __init__(self, text: str, robot: Any) -> None:

@@ -304,10 +304,10 @@ def _position(
     if mimic is None:
         return None
     (leader,) = (other for other in joints if other.get("name") == mimic.get("joint"))
-    led = _position(leader, lock, joints)
-    if led is None:
+    leading = _position(leader, lock, joints)
+    if leading is None:
         return None
-    return length(mimic.get("multiplier", "1")) * led + length(mimic.get("offset", "0"))
+    return length(mimic.get("multiplier", "1")) * leading + length(mimic.get("offset", "0"))
 
 
 def largest_excess(frames: Frames, robot: Any) -> float:

@@ -166,7 +166,7 @@ SETTINGS = record(
         "dq0": NUMBERS,
         "disturbance": NUMBERS,
         "parameters_inside_bounds": FLAG,
-        "pulled_to_physical": array(TEXT),
+        "scaled_to_physical": array(TEXT),
     }
 )
 
@@ -273,9 +273,9 @@ PEERS = array(
                             record(
                                 {
                                     "name": TEXT,
-                                    "least": SIZE,
+                                    "minimum": SIZE,
                                     "median": SIZE,
-                                    "ratio_of_least": SIZE,
+                                    "ratio_of_minima": SIZE,
                                     "ratio_of_medians": SIZE,
                                     "rounds": COUNT,
                                     "alone": optional(record({"calls": TIMES, "states": TIMES})),
@@ -312,7 +312,7 @@ MODULES = array(
             ),
             "in": optional(CONNECTOR),
             "out": optional(CONNECTOR),
-            "mates": array(TEXT),
+            "mounts": array(TEXT),
         }
     )
 )

@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from modrobust.model import Bounded, ControllerSettings, Followers, Parameters, Robot
+from modrobust.model import Bounded, ControllerSettings, MimicJoints, Parameters, Robot
 
 Width = Literal["exact", "narrow", "wide", "mixed"]
 
@@ -157,18 +157,18 @@ def random_robot(
 
 
 def tied(robot: Robot, n: int, rng: np.random.Generator, anywhere: bool = False) -> Robot:
-    """The same robot with only n free joints; the others follow random ones of them.
+    """The same robot with only n free joints; the others mimic random ones of them.
 
-    The last ones follow; `anywhere`: random ones, so that they may carry free joints.
+    The last ones mimic; `anywhere`: random ones, so that they may carry free joints.
     """
     d = robot.disturbance
     count = robot.n - n
-    following = np.arange(n, robot.n)
+    mimic = np.arange(n, robot.n)
     leaders = rng.integers(0, n, count).astype(np.int32)
     multiplier, offset = rng.uniform(-2.0, 2.0, count), rng.uniform(-0.5, 0.5, count)
     if anywhere:
-        following = np.sort(rng.permutation(robot.n)[:count])
-    free = np.setdiff1d(np.arange(robot.n), following)
+        mimic = np.sort(rng.permutation(robot.n)[:count])
+    free = np.setdiff1d(np.arange(robot.n), mimic)
     return replace(
         robot,
         name=f"{robot.name}-tied",
@@ -179,12 +179,12 @@ def tied(robot: Robot, n: int, rng: np.random.Generator, anywhere: bool = False)
         acceleration_limits=robot.acceleration_limits[free],
         disturbance=Bounded(d.nominal[free], d.lo[free], d.hi[free]),
         controller=ControllerSettings(K_r=(10.0,) * n),
-        followers=Followers(
-            names=tuple(robot.joint_names[i] for i in following),
+        mimic=MimicJoints(
+            names=tuple(robot.joint_names[i] for i in mimic),
             leaders=leaders,
             multiplier=multiplier,
             offset=offset,
-            joints=following.astype(np.int32),
+            joints=mimic.astype(np.int32),
         ),
     )
 

@@ -12,7 +12,7 @@ import pytest
 import modrobust as mr
 from modrobust.assembly import builtin_robots
 from modrobust.errors import DescriptionError
-from modrobust.model import Bounded, Followers, Robot
+from modrobust.model import Bounded, MimicJoints, Robot
 
 
 @cache
@@ -40,8 +40,8 @@ def available() -> list[Robot]:
 
 
 def freed(robot: Robot) -> tuple[Robot, Any]:
-    """The robot with its followers as free joints, and G (j, n): its velocities are G dq."""
-    f = robot.followers
+    """The robot with its mimic joints as free joints, and G (j, n): its velocities are G dq."""
+    f = robot.mimic
     G = np.zeros((robot.j, robot.n))
     G[robot.free, np.arange(robot.n)] = 1.0
     G[f.joints, f.leaders] = f.multiplier
@@ -61,7 +61,7 @@ def freed(robot: Robot) -> tuple[Robot, Any]:
         velocity_limits=longer(robot.velocity_limits, np.inf),
         effort_limits=longer(robot.effort_limits, np.inf),
         disturbance=Bounded(*(longer(x, 0.0) for x in (d.nominal, d.lo, d.hi))),
-        followers=Followers(),
+        mimic=MimicJoints(),
         controller=replace(robot.controller, K_r=(10.0,) * robot.j),
         trajectory=None,
         initial_q=None,

@@ -59,7 +59,7 @@ def torque_error(robot: Robot, *state: Any, parameters: Any = None, drives: bool
     return _kernel.inverse_dynamics_rounding(robot.model, packed, *given, drives)[1]
 
 
-def excess_allowed(robot: Robot, *state: Any, method: str = "hull", drives: bool = True) -> Any:
+def excess_allowed(robot: Robot, *state: Any, bound: str = "hull", drives: bool = True) -> Any:
     """The most that an end of the bounds may lie outside the real one, (n,).
 
     hull: the slack, and a tenth of it for rounding that happened; 1/1000 was seen. ianea: rounding
@@ -68,13 +68,13 @@ def excess_allowed(robot: Robot, *state: Any, method: str = "hull", drives: bool
     is at either end. Radii grow by their own rounding on top, (27). Drives add a handful of
     roundings, outward one by one.
     """
-    ends = mr.inverse_dynamics_bounds(robot, *state, method=method, drives=drives)
+    ends = mr.inverse_dynamics_bounds(robot, *state, bound=bound, drives=drives)
     roundings = 8 * ULP * np.abs(ends).max(axis=0) + TINY
-    if method == "hull":
+    if bound == "hull":
         return 1.1 * slack(robot, *state, drives=drives) + roundings
     most = largest(robot)
     large = replace(robot, nominal=most, lower=most, upper=most)
-    lo, hi = mr.inverse_dynamics_bounds(large, *state, method=method, drives=False)
+    lo, hi = mr.inverse_dynamics_bounds(large, *state, bound=bound, drives=False)
     radii = (16 * depth(robot) + 96 + 4 * (robot.b + robot.j)) * UNIT
     return 1.2 * (hi - lo) / 2 + radii * (ends[1] - ends[0]) / 2 + roundings
 

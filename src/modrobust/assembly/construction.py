@@ -14,7 +14,7 @@ from modrobust.assembly.scenarios import scenario_parameters
 from modrobust.assembly.settings import controller_settings, per_joint, trajectory_settings
 from modrobust.checks import did_you_mean
 from modrobust.formats import Assembly, JointItem, Quantity
-from modrobust.model import Bounded, Followers, Parameters, Robot
+from modrobust.model import Bounded, MimicJoints, Parameters, Robot
 from modrobust.model.physical import ABOUT_FRAME
 from modrobust.model.sampling import physical_bodies
 
@@ -36,7 +36,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
     joints = parts.joints
     bodies = [*parts.bodies, *_payload(description, parts)]
     nominal, lower, upper = (_parameters(bodies, joints, end) for end in ("nominal", "lo", "hi"))
-    free = [joint for joint in joints if joint.follows is None]
+    free = [joint for joint in joints if joint.mimic is None]
     names = tuple(joint.name for joint in free)
     items = [joint.item for joint in free]
     types = tuple(item.type for item in items)
@@ -90,7 +90,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
         initial_q=_vector(per_joint(description.initial_q, names, types)),
         initial_dq=_vector(per_joint(description.initial_dq, names, types)),
         modules=parts.nodes,
-        followers=_followers(joints),
+        mimic=_mimic_joints(joints),
         inertia_about=abouts,
     )
     refuse_singular(robot, [joint.item.where for joint in joints])
@@ -142,11 +142,11 @@ def _payload(description: Assembly, parts: Parts) -> list[PlacedBody]:
     ]
 
 
-def _followers(joints: Sequence[PlacedJoint]) -> Followers:
-    free = [i for i, joint in enumerate(joints) if joint.follows is None]
+def _mimic_joints(joints: Sequence[PlacedJoint]) -> MimicJoints:
+    free = [i for i, joint in enumerate(joints) if joint.mimic is None]
     entry = {i: k for k, i in enumerate(free)}
-    found = [(i, *joint.follows) for i, joint in enumerate(joints) if joint.follows is not None]
-    return Followers(
+    found = [(i, *joint.mimic) for i, joint in enumerate(joints) if joint.mimic is not None]
+    return MimicJoints(
         names=tuple(joints[i].name for i, *_ in found),
         leaders=np.array([entry[leader] for _, leader, _, _ in found], dtype=np.int32),
         multiplier=np.array([multiplier for _, _, multiplier, _ in found], dtype=np.float64),

@@ -1,4 +1,4 @@
-"""What is said on the command line, or as keywords, about a robot: laid over its description."""
+"""Command-line and keyword overrides of a description."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def with_options(
 
 
 def _mounted(base: Transform, mount: Vector) -> Transform:
-    """The base where it is, turned in the world by roll, pitch and yaw [rad]."""
+    """The base where it is, rotated in the world by roll, pitch and yaw [rad]."""
     rpy = pose_matrix(None, _vector(mount, "mount"), "mount")
     return translation([row[3] for row in base.rows]) @ rpy
 

@@ -20,14 +20,14 @@ Array = NDArray[np.float64]
 class PlacedJoint(JointStep):
     """A joint in the tree: index of its parent (-1 = base), ``before`` and ``after`` (4, 4).
 
-    A joint that follows another has the index of that one, multiplier and offset [rad] or [m]:
+    A mimic joint has the index of that one, multiplier and offset [rad] or [m]:
     q = multiplier * q_leader + offset.
     """
 
     parent: int
     before: Array
     after: Array
-    follows: tuple[int, float, float] | None = None
+    mimic: tuple[int, float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,16 +58,16 @@ def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
 
 
 def _turns_too_far(robot: Robot, where: Sequence[Where], q: Array) -> DescriptionError:
-    """What to say where a follower's angle (15) passes what the kernel computes with."""
+    """What to say where a mimic joint's angle (15) passes what the kernel computes with."""
     revolute = robot.turns
     joint = int(np.argmax(np.where(revolute, np.abs(robot.all_positions(q)), 0.0)))
-    f = robot.followers
+    f = robot.mimic
     k = int(np.flatnonzero(f.joints == joint)[0])
     leader = f.leaders[k]
     unit = "rad" if revolute[robot.free[leader]] else "m"
     return where[joint].error(
         f"joint {robot.all_joint_names[joint]}, mimic",
-        f"follows joint {robot.joint_names[leader]} with multiplier {f.multiplier[k]:g} and offset "
+        f"mimics joint {robot.joint_names[leader]} with multiplier {f.multiplier[k]:g} and offset "
         f"{f.offset[k]:g} rad, so that it passes {_kernel.ANGLE_MAX:g} rad while that one moves by "
         f"1 {unit}; no joint turns so far; correct the two",
     )

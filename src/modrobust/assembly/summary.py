@@ -179,16 +179,16 @@ def _static_torque(robot: Robot, q: Array) -> Array:
 def _reach(robot: Robot, q: Array) -> float:
     """Largest distance of a link or body frame's origin from the base frame's, poses ``(k, n)``."""
     motions = np.ascontiguousarray(robot.all_positions(q).T)
-    turned = np.cos(motions), np.sin(motions)
+    rotated = np.cos(motions), np.sin(motions)
     points = {(i, (0.0, 0.0, 0.0)) for i in range(robot.j)}
     for i, T in zip(robot.body_joints, robot.placement, strict=True):
         points.add((int(i), tuple(T[:3, 3].tolist())))
-    squares = (np.sum(_positions(robot, motions, turned, *p) ** 2, axis=0) for p in points)
+    squares = (np.sum(_positions(robot, motions, rotated, *p) ** 2, axis=0) for p in points)
     return math.sqrt(max(float(np.max(square)) for square in squares))
 
 
 def _positions(
-    robot: Robot, q: Array, turned: tuple[Array, Array], i: int, point: tuple[float, ...]
+    robot: Robot, q: Array, rotated: tuple[Array, Array], i: int, point: tuple[float, ...]
 ) -> Array:
     """The point of link i in the base frame, ``(3, k)``; q and its cosines and sines ``(j, k)``."""
     p = np.repeat(np.array(point)[:, None], q.shape[1], axis=1)
@@ -197,7 +197,7 @@ def _positions(
         if robot.joint_types[i] == "prismatic":
             p[2] += q[i]
         else:
-            c, s = turned[0][i], turned[1][i]
+            c, s = rotated[0][i], rotated[1][i]
             p[0], p[1] = c * p[0] - s * p[1], s * p[0] + c * p[1]
         p = robot.before[i, :3, :3] @ p + robot.before[i, :3, 3:]
         i = int(robot.parents[i])

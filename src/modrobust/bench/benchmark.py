@@ -21,7 +21,7 @@ from modrobust.bench.found_range import found_range, probe_count
 from modrobust.control import RobustController
 from modrobust.dynamics import perturbation_bounds
 from modrobust.errors import ValueRangeError
-from modrobust.kernel import METHODS, own_environment
+from modrobust.kernel import BOUNDS, own_environment
 from modrobust.model import Robot, synthetic_chain
 from modrobust.simulation import SimulationResult, simulate
 from modrobust.simulation.metrics import plain, ratio, time_statistics
@@ -73,7 +73,7 @@ class Growth:
     bound: str
     joints: list[int] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
-    """Median over commands, least over repeats."""
+    """Median over commands, minimum over repeats."""
 
     @property
     def exponent(self) -> float | None:
@@ -196,7 +196,7 @@ def replay(run: SimulationResult, bound: str, repeat: int = 1) -> ReplayTimes:
 
 
 def chain_times(n: int, bound: str, repeat: int = 1, commands: int = 200) -> float:
-    """Median time of a command for a synthetic chain of ``n`` joints [s], least over repeats."""
+    """Median time of a command for a synthetic chain of ``n`` joints [s], minimum over repeats."""
     robot = synthetic_chain(n)
     rng = np.random.default_rng(n)
     shape = (commands, n)
@@ -236,7 +236,7 @@ def growth(
 def random_tightness(
     robot: Robot, states: int = 1000, seed: int = 0, search: bool = False
 ) -> Tightness:
-    """Widths of [Phi] by both methods over random states.
+    """Widths of [Phi] by both kinds of bound over random states.
 
     Positions are drawn from the limits (+-pi rad, +-0.5 m without), velocities and auxiliary
     velocities from theirs (+-2 rad/s, +-2 m/s without), auxiliary accelerations from +-5 rad/s^2.
@@ -259,7 +259,7 @@ def random_tightness(
 
 @own_environment()
 def trajectory_tightness(run: SimulationResult, states: int = 1000) -> Tightness:
-    """Widths of [Phi] by both methods, and found by search, at up to so many states of a run.
+    """Widths of [Phi] of both kinds and found by search, at up to so many states of a run.
 
     The states are evenly spaced among those in which every joint moves (all, if none is such):
     about standstill a bound holds for true Coulomb friction too, which the search does not try.
@@ -280,9 +280,9 @@ def _tightness(
     robot: Robot, where: str, states: tuple[Array, Array, Array, Array], search: bool
 ) -> Tightness:
     widths: dict[str, Array] = {}
-    for name in METHODS:
+    for name in BOUNDS:
         rows = zip(*states, strict=True)
-        bounds = [perturbation_bounds(robot, q, v, va, aa, method=name) for q, v, va, aa in rows]
+        bounds = [perturbation_bounds(robot, q, v, va, aa, bound=name) for q, v, va, aa in rows]
         widths[name] = np.array([hi - lo for lo, hi in bounds])
     found = None
     if search:
@@ -333,7 +333,7 @@ def benchmark(
             _measure(robot, result, repeat, states, seed, duration, show)
             if result.interrupted:
                 return result
-        for bound in METHODS if sizes else ():
+        for bound in BOUNDS if sizes else ():
             shown = partial(show, f"growth, {bound}")
             result.growth.append(Growth(bound))
             growth(bound, sizes, repeat, shown, into=result.growth[-1])
@@ -363,9 +363,9 @@ def _measure(
     result.interrupted = run.interrupted
     if run.interrupted or run.diverged or len(run.t) == 0:
         return
-    for i, bound in enumerate(METHODS):
+    for i, bound in enumerate(BOUNDS):
         own.times.append(replay(run, bound, repeat))
-        show(f"{robot.name}: replay", (i + 1) / len(METHODS))
+        show(f"{robot.name}: replay", (i + 1) / len(BOUNDS))
     # as many states as a search of about a second allows
     states = min(states, max(_FEWEST_STATES, _EVALUATIONS // probe_count(robot)))
     own.tightness.append(trajectory_tightness(run, states))

@@ -13,7 +13,7 @@ import signal
 import sys
 from typing import NoReturn
 
-# Before numpy and pydantic are imported; who sets them otherwise has their way.
+# Before numpy and pydantic are imported; existing values take precedence.
 _QUICK_START = {
     "OPENBLAS_NUM_THREADS": "1",  # no product here is large enough for a second thread
     "PYDANTIC_DISABLE_PLUGINS": "__all__",  # else it searches every installed package for some
@@ -29,7 +29,7 @@ def main() -> None:
         os.environ.setdefault(name, value)
     gc.set_threshold(_COLLECT_EVERY)
     for ending in (signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
-        if signal.getsignal(ending) is signal.SIG_DFL:  # nohup has its way
+        if signal.getsignal(ending) is signal.SIG_DFL:  # nohup takes precedence
             signal.signal(ending, _end)
     try:
         code = _guarded()

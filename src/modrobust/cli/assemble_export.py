@@ -65,7 +65,8 @@ def export(
 
     truth = true_robot(robot, which or "nominal", seed=seed)
     if truth.pulled:
-        note(f"pulled towards nominal until physical: the inertia of {', '.join(truth.pulled)}")
+        bodies = ", ".join(truth.pulled)
+        note(f"scaled towards nominal until physically consistent: the inertia of {bodies}")
     for part, kind, text_of in ((urdf, "URDF", urdf_text), (mjcf, "MJCF", mjcf_text)):
         if part is not None:
             exported = text_of(robot, truth.parameters)

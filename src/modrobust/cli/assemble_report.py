@@ -54,12 +54,12 @@ def _mounting(robot: Robot) -> list[str]:
     from modrobust.model.orientation import roll_pitch_yaw
 
     lines = []
-    turned = robot.base[:3, :3].T @ robot.gravity
+    rotated = robot.base[:3, :3].T @ robot.gravity
     if not np.array_equal(robot.base, np.eye(4)):
         degrees = np.degrees(roll_pitch_yaw(robot.base[:3, :3]))
         place = _row(robot.base[:3, 3])
         lines.append(f"Base in the world: xyz [{place}] m, rpy [{_row(degrees)}] deg.")
-    return [*lines, f"Gravity in base axes: [{_row(turned)}] m/s^2{_along(turned)}.", ""]
+    return [*lines, f"Gravity in base axes: [{_row(rotated)}] m/s^2{_along(rotated)}.", ""]
 
 
 def _along(gravity: Array) -> str:

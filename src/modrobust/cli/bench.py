@@ -74,7 +74,7 @@ def bench(
     """Measure the time of a command and how tight the bounds are.
 
     The controller is replayed on the signals of a simulation sampled at 1 ms. Tightness: mean
-    width of the bound by either method, and of the range that a search of the parameters finds.
+    width of the bound by either kind, and of the range that a search of the parameters finds.
     With --growth also the time against the number of joints.
     """
     from modrobust.bench.benchmark import SIZES, benchmark

@@ -14,13 +14,13 @@ def print_peers(figures: Mapping[str, Any]) -> None:
 
     show(f"{figures['robot']}: {figures['joints']} joints", style="bold")
     for entry in figures["peers"]:
-        rows = table("", "least", "median", "ratio of least", "of medians")
+        rows = table("", "minimum", "median", "ratio of minima", "of medians")
         for item in entry["subjects"]:
             rows.add_row(
                 item["name"],
-                microseconds(item["least"]),
+                microseconds(item["minimum"]),
                 microseconds(item["median"]),
-                number(item["ratio_of_least"]),
+                number(item["ratio_of_minima"]),
                 number(item["ratio_of_medians"]),
             )
         show(f"{entry['peer']}: {entry['title']}", rows)
@@ -30,7 +30,7 @@ def print_peers(figures: Mapping[str, Any]) -> None:
 
 
 def _print_alone(subjects: list[Any], remarks: list[str]) -> None:
-    """Calls one by one; a state's own time is its least, free of what interrupts the machine."""
+    """Calls one by one; a state's own time is its minimum, free of what interrupts the machine."""
     from modrobust.cli.output import microseconds, show, table
 
     rows = table("", "mean", "std", "max", "slowest state")

@@ -1,4 +1,4 @@
-"""``modrobust modules``: the catalogue and what mates to what."""
+"""``modrobust modules``: the catalogue and which module mounts on which."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ def modules(
     json: Json = False,
 ) -> None:
     """List the modules and what can be mounted on each."""
-    from modrobust.assembly.modules.catalogue import catalogue, mates
+    from modrobust.assembly.modules.catalogue import catalogue, mounts
     from modrobust.cli.output import print_json
 
     found = catalogue(directories or None)
-    mounted = mates(found)
+    mounted = mounts(found)
     if json:
         print_json([_plain(module, mounted[module.id]) for module in found])
     else:
@@ -58,11 +58,11 @@ def print_modules(found: Sequence[Module], mounted: Mapping[str, Sequence[str]])
     for module in found:
         if mounted[module.id]:
             groups.setdefault(tuple(mounted[module.id]), []).append(module.id)
-    onto = table("module", "mates", left=2, folded={0, 1})
+    onto = table("module", "mounts", left=2, folded={0, 1})
     onto.show_lines = True
     for above, below in groups.items():
         onto.add_row(", ".join(below), ", ".join(above))
-    show("What mates to what: on the out of a module goes the in of", style="bold")
+    show("Connector compatibility: base side (out), and what mounts on it (in)", style="bold")
     show(onto)
 
 
@@ -76,7 +76,7 @@ def _plain(module: Module, mounted: Sequence[str]) -> dict[str, Any]:
         "joints": _joints(module),
         "in": _connector(module.connector_in),
         "out": _connector(module.connector_out),
-        "mates": list(mounted),
+        "mounts": list(mounted),
     }
 
 

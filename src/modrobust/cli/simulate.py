@@ -47,7 +47,7 @@ epsilon is not judged then; in a longer one the last pose is held.
 
 Ctrl-C ends a run early: what was computed is shown and saved, the exit code is 130.
 The exit code is 1 when a bound is violated, the loop diverges, the tracking error does not
-stay below epsilon, or a torque exceeds its limit. Remarks at the end (a torque that shakes, a
+stay below epsilon, or a torque exceeds its limit. Remarks at the end (a torque that chatters, a
 position or velocity beyond its limit) do not change it.
 
 Without --trajectory the motion is the file's own, else a default within the limits: rest to rest

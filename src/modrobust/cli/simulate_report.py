@@ -67,9 +67,11 @@ def _headline(settings: Mapping[str, Any]) -> str:
 def _notes(settings: Mapping[str, Any]) -> list[str]:
     rate = f"{settings['control_rate'] / 1e3:g} kHz"
     lines = [f"The command is evaluated at {rate} and held in between."]
-    if settings["pulled_to_physical"]:
-        bodies = ", ".join(settings["pulled_to_physical"])
-        lines.append(f"Pulled towards nominal until physical: the inertia of {bodies}.")
+    if settings["scaled_to_physical"]:
+        bodies = ", ".join(settings["scaled_to_physical"])
+        lines.append(
+            f"Scaled towards nominal until physically consistent: the inertia of {bodies}."
+        )
     if not settings["parameters_inside_bounds"]:
         lines.append("The true parameters lie outside the bounds: nothing is guaranteed.")
     return lines
@@ -84,7 +86,7 @@ def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Table:
         "epsilon_entered_at": (
             f"not judged, cut short; epsilon {settings['epsilon']:g}"
             if figures["cut_short"]
-            else f"{'never' if entered is None else f'{entered:.4g} s'} for good, "
+            else f"{'never' if entered is None else f'permanently after {entered:.4g} s'}, "
             f"epsilon {settings['epsilon']:g}"
         ),
         "error_final": f"{number(figures['error_final'])}, norm of the tracking error",

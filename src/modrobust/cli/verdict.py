@@ -10,8 +10,8 @@ from modrobust.cli.output import show
 if TYPE_CHECKING:
     from modrobust.model import Robot
 
-GOOD, BAD, NEITHER = "Good", "Not good", "exact"
-SHOWN = "bound kept, error within epsilon for good, torques within limits"
+PASS, FAIL, NEITHER = "PASS", "FAIL", "exact"
+SHOWN = "bound kept, error permanently within epsilon, torques within limits"
 SHOWN_SHORT = "bound kept, torques within limits"
 
 
@@ -29,17 +29,17 @@ def print_verdict(robot: Robot, figures: Mapping[str, Any]) -> None:
             style="yellow",
         )
     if broken is not None:
-        show(f"{BAD}: the loop diverged at {figures['time']:.6g} s", style="bold red")
+        show(f"{FAIL}: the loop diverged at {figures['time']:.6g} s", style="bold red")
         show(f"Cause: {broken['cause']}", f"What helps: {', or '.join(broken['remedies'])}")
         show(*(f"Also: {reason}" for reason in reasons if "diverged" not in reason))
     elif reasons:
-        show(*(f"{BAD}: {reason}" for reason in reasons), style="bold red")
+        show(*(f"{FAIL}: {reason}" for reason in reasons), style="bold red")
     elif not figures["uncertain"]:
         show(f"{NEITHER}: robust against nothing; {bounds_remedy(robot)}", style="yellow")
     else:
         shown = SHOWN_SHORT if short else SHOWN
-        show(f"{GOOD}: {shown}, in this one run ({truth(settings)})", style="green")
-    opening = "Also" if reasons else "But"
+        show(f"{PASS}: {shown}, in this one run ({truth(settings)})", style="green")
+    opening = "Also" if reasons else "Note"
     show(*(f"{opening}: {remark}" for remark in figures["remarks"]), style="yellow")
 
 

@@ -90,17 +90,17 @@ def leaves(robot: Robot) -> list[int]:
 
 
 def entry_of(robot: Robot, i: int) -> int:
-    """Where joint i stands in a vector of the n free joints, or n + k for the k-th follower."""
+    """Where joint i stands in a vector of the n free joints, or n + k for the k-th mimic joint."""
     return int(np.flatnonzero(robot.moves == i)[0])
 
 
 def joint_range(robot: Robot, i: int) -> tuple[float, float]:
-    """Position limits of any joint; a follower's are its leader's, carried over."""
+    """Position limits of any joint; a mimic joint's are its leader's, carried over."""
     entry = entry_of(robot, i)
     if entry < robot.n:
         lo, hi = robot.position_limits[entry]
     else:
-        f, k = robot.followers, entry - robot.n
+        f, k = robot.mimic, entry - robot.n
         ends = f.multiplier[k] * robot.position_limits[f.leaders[k]] + f.offset[k]
         lo, hi = ends.min(), ends.max()
     return float(lo), float(hi)

@@ -1,7 +1,7 @@
 """Capsules and cylinders, drawn from the kinematics alone, so that one sees a robot.
 
 They have no mass and touch nothing. A capsule runs from each joint to the next, another from a
-joint to a COM that lies aside; a cylinder shows each axis of rotation, a rail each slide.
+joint to a COM that lies aside; a cylinder shows each axis of rotation, a rail each prismatic joint.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _NEAR = 0.5  # of the radius: a point so near is not worth a capsule
 
 
 def reach(robot: Robot) -> float:
-    """Length of the longest way from the base over the joints to a tip [m], at q = 0; not 0."""
+    """Length of the longest path from the base over the joints to a tip [m], at q = 0; not 0."""
     ends = np.zeros(robot.j)
     for i in range(robot.j):
         parent = int(robot.parents[i])

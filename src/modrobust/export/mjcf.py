@@ -116,7 +116,7 @@ def mjcf_element(
     if visual:
         add_geoms(frames, robot, point)
     if robot.j > robot.n:
-        _followers(ET.SubElement(root, "equality"), robot)
+        _mimic_joints(ET.SubElement(root, "equality"), robot)
     actuators = ET.SubElement(root, "actuator")
     for i, name in enumerate(robot.joint_names):
         motor = ET.SubElement(actuators, "motor", name=name, joint=name, gear="1")
@@ -169,8 +169,8 @@ def _joint(body: ET.Element, robot: Robot, point: Parameters, i: int) -> None:
     joint.set("frictionloss", number(point.coulomb[i]))
 
 
-def _followers(equality: ET.Element, robot: Robot) -> None:
-    f = robot.followers
+def _mimic_joints(equality: ET.Element, robot: Robot) -> None:
+    f = robot.mimic
     for k, name in enumerate(f.names):
         line = numbers([f.offset[k], f.multiplier[k], 0.0, 0.0, 0.0])
         leader = robot.joint_names[f.leaders[k]]
@@ -230,8 +230,8 @@ def _lost(robot: Robot, point: Parameters) -> list[str]:
             "Coulomb friction as F_c s(dq); frictionloss holds F_c, MuJoCo makes a constraint of it"
         )
     if robot.j > robot.n:
-        following = np.isin(np.arange(robot.j), robot.followers.joints)
-        lost.append(f"that {listed(robot, following)} follow exactly; MuJoCo's equality is soft")
+        mimic = np.isin(np.arange(robot.j), robot.mimic.joints)
+        lost.append(f"that {listed(robot, mimic)} mimic exactly; MuJoCo's equality is soft")
     if np.isfinite(robot.velocity_limits).any():
         lost.append("velocity limits")
     return lost

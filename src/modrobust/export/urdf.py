@@ -104,7 +104,7 @@ def _joint(
     lo, hi = joint_range(robot, i)
     endless = not (np.isfinite(lo) and np.isfinite(hi))
     kind = robot.joint_types[i]
-    if robot.turns[i]:  # a joint that follows has no end nor error of its own
+    if robot.turns[i]:  # a mimic joint has no end nor error of its own
         kind = "continuous" if endless and (i >= robot.n or kind == "continuous") else "revolute"
     joint = ET.SubElement(root, "joint", name=robot.all_joint_names[i], type=kind)
     _origin(joint, joint_origin(robot, i))
@@ -122,7 +122,7 @@ def _joint(
     for name, limits in (("effort", robot.effort_limits), ("velocity", robot.velocity_limits)):
         limit.set(name, number(min(limits[entry], NO_LIMIT) if free else NO_LIMIT))
     if not free:
-        f, k = robot.followers, entry - robot.n
+        f, k = robot.mimic, entry - robot.n
         leader = robot.joint_names[f.leaders[k]]
         ratio = {"multiplier": number(f.multiplier[k]), "offset": number(f.offset[k])}
         ET.SubElement(joint, "mimic", {"joint": leader, **ratio})
@@ -187,7 +187,7 @@ def _lost(robot: Robot, point: Parameters) -> list[str]:
 
 
 def _without_limit(robot: Robot, limits: Array) -> NDArray[np.bool_]:
-    """Which of the j joints have no finite limit; those that follow have none of their own."""
+    """Which of the j joints have no finite limit; mimic joints have none of their own."""
     everything = np.ones(robot.j, dtype=np.bool_)
     everything[robot.free] = ~np.isfinite(limits)
     return everything

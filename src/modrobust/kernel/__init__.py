@@ -17,7 +17,7 @@ from modrobust.errors import (
     ValueRangeError,
 )
 
-METHODS = {"hull": _kernel.HULL, "ianea": _kernel.IANEA}
+BOUNDS = {"hull": _kernel.HULL, "ianea": _kernel.IANEA}
 """How a bound is computed: the exact hull, or the paper's Algorithm 1."""
 
 
@@ -35,13 +35,13 @@ def own_environment() -> Iterator[None]:
         _kernel.leave_environment(caller)
 
 
-def method_code(method: str) -> int:
-    """The kernel's number of a method; ValueRangeError names the known ones."""
+def bound_code(bound: str) -> int:
+    """The kernel's number of a bound; ValueRangeError names the known ones."""
     try:
-        return METHODS[method]
+        return BOUNDS[bound]
     except (KeyError, TypeError):
-        known = ", ".join(METHODS)
-        raise ValueRangeError(f"method: {method!r} is not known; known: {known}") from None
+        known = ", ".join(BOUNDS)
+        raise ValueRangeError(f"bound: {bound!r} is not known; known: {known}") from None
 
 
 def status_error(

@@ -12,9 +12,9 @@
 #define MR_BATCH_NAME(name) MR_JOIN(mr_batch_##name, MR_BATCH_SUFFIX)
 
 #define mr_sine_cosine MR_BATCH_NAME(sine_cosine)
-#define mr_follow MR_BATCH_NAME(follow)
-#define mr_lead MR_BATCH_NAME(lead)
-#define mr_lead_box MR_BATCH_NAME(lead_box)
+#define mr_expand_mimic MR_BATCH_NAME(expand_mimic)
+#define mr_fold_mimic_torque MR_BATCH_NAME(fold_mimic_torque)
+#define mr_fold_mimic_box MR_BATCH_NAME(fold_mimic_box)
 #define mr_joint_geometry MR_BATCH_NAME(joint_geometry)
 #define mr_forward_recursion MR_BATCH_NAME(forward_recursion)
 #define mr_all_sines MR_BATCH_NAME(all_sines)
@@ -144,7 +144,7 @@ static mr_status block(const mr_model *model, const mr_bounds *bounds, mr_method
     for (int v = 0; v < 4; ++v)
         for (int32_t i = 0; i < n; ++i) lanes[v][i] = gather(given[v] + i, start);
     mr_state state = {lanes[0], lanes[1], lanes[2], lanes[3], NULL, NULL};
-    if (model->j > n) mr_follow(model, &state, ws.full);
+    if (model->j > n) mr_expand_mimic(model, &state, ws.full);
     if (!state_is_good(model, &state)) return check_rows(model, given, count, row);
     mr_torque_box(model, bounds, method, &state, drives, &ws);
     mr_total_bounds(model, method, &ws);

@@ -82,7 +82,7 @@ mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const mr_
           mr_all_finite(n, given->dq_a) & mr_all_finite(n, given->ddq_a)))
         return MR_NOT_FINITE;
     *state = *given;
-    mr_follow(model, state, ws->full);
+    mr_expand_mimic(model, state, ws->full);
     if (j > n)
         for (int v = 0; v < 4; ++v)
             if (!mr_all_finite(j, ws->full[v])) return MR_NOT_FINITE;
@@ -111,7 +111,7 @@ mr_status mr_do_inverse_dynamics(const mr_model *model, const mr_parameters *par
     mr_point_of(model, parameters, ws.point);
     mr_newton_euler(model, ws.point, &state, &ws, ws.mid);
     if (drives) mr_add_drives(model, parameters, &state, ws.mid);
-    mr_lead(model, ws.mid);
+    mr_fold_mimic_torque(model, ws.mid);
     return copy_finite(model->n, ws.mid, tau);
 }
 
@@ -126,7 +126,7 @@ mr_status mr_torque_with_error(const mr_model *model, const mr_parameters *param
     mr_point_of(model, parameters, ws.point);
     mr_newton_euler(model, ws.point, &state, &ws, ws.mid);
     if (drives) mr_add_drives(model, parameters, &state, ws.mid);
-    mr_lead(model, ws.mid);
+    mr_fold_mimic_torque(model, ws.mid);
     const mr_motion_size size = mr_size_of_motion(model, &state, &ws);
     mr_rounding_slack(model, factors, constants, drives ? parameters : NULL, &state, &size,
                       ws.slack);

@@ -60,12 +60,11 @@ static mr_interval drive_box(const mr_model *model, const mr_bounds *bounds,
     const mr_interval rotor_box = {MR_SPLAT(l->rotor_inertia[i] - rotor),
                                    MR_SPLAT(h->rotor_inertia[i] - rotor)};
     /* the square of a gear ratio that is written in decimals, times ddq_a: less than 8 u of its
-     * terms; a follower's rate, 2 u; and what underflow may take from both */
+     * terms; a mimic joint's rate, 2 u; and what underflow may take from both */
     const double most = h->rotor_inertia[i], gear = reflected(model, i);
-    const MR_REAL error = 0x1p-50 * (gear * most * ddq_a_size) +
-                          0x1p-51 * (h->viscous[i] * MR_ABS(dq)) +
-                          MR_UNDER * ((1.0 + most) * (1.0 + gear) + h->viscous[i]) *
-                              (1.0 + ddq_a_size);
+    const MR_REAL error =
+        0x1p-50 * (gear * most * ddq_a_size) + 0x1p-51 * (h->viscous[i] * MR_ABS(dq)) +
+        MR_UNDERFLOW * ((1.0 + most) * (1.0 + gear) + h->viscous[i]) * (1.0 + ddq_a_size);
     mr_interval sum = mr_i_add(mr_i_scale(dq, viscous_box),
                                mr_i_widen(mr_i_scale(gear * ddq_a, rotor_box), error));
     if (h->coulomb[i] > 0.0) {

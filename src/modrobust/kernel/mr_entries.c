@@ -8,9 +8,9 @@
     mr_leave(caller);                              \
     return status
 
-void mr_fold(const mr_model *model, double *folded) {
+void mr_precompute_model(const mr_model *model, double *precomputed) {
     const mr_environment caller = mr_enter();
-    mr_do_fold(model, folded);
+    mr_do_precompute_model(model, precomputed);
     mr_leave(caller);
 }
 

@@ -19,7 +19,7 @@ static void forward_poses(const mr_model *model, int32_t last, const mr_workspac
         if (model->parent[i] < 0) {
             for (int k = 0; k < 9; ++k) pose->R[k] = link->R[k];
             for (int k = 0; k < 3; ++k) axis[k] = MR_SPLAT(B[3 * k + 2]);
-            for (int k = 0; k < 3; ++k) point[k] = zero; /* ways start at the first joint */
+            for (int k = 0; k < 3; ++k) point[k] = zero; /* distances start at the first joint */
         } else {
             const mr_pose *parent = &ws->poses[model->parent[i]];
             const double kind = mr_of_joints(model)[i].before;
@@ -87,7 +87,7 @@ static void uncertain_body(const mr_model *model, const mr_bounds *bounds, int32
     mr_add(arm, body->point);
 }
 
-/* s: the axis of each lane's joint in body axes, zero for a slide; v: how the body's point moves
+/* s: the axis of each lane's joint in body axes, zero for a prismatic joint; v: how the body's point
  * with the joint. */
 static inline void move_of(const mr_uncertain_body *body, int prismatic, const mr_lane axis[9],
                            mr_lane s[3], mr_lane v[3]) {

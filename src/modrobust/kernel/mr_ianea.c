@@ -1,4 +1,4 @@
-/* IANEA*: Algorithm 1 of the paper from line 23 on, several bodies a link. Line numbers at right.
+/* IANEA*: Algorithm 1 of the paper from A1:23 on, several bodies a link; A1:23 is line 23 there.
  *
  * Boxes are mid +- rad: what is linear, with real factors, takes mid as any vector and rad by the
  * factors' sizes, which is the same box as by lower and upper ends. All rounding, that of mid and of
@@ -106,27 +106,27 @@ static inline void body_box(const mr_model *model, const mr_bounds *bounds,
         sizes[k] = MR_TAKE_CONSTANT(box + (2 * MR_POINT + k) * stride, b);
     const mr_lane *w = from + MR_W, *wa = from + MR_WA, *dw = from + MR_DW;
     const mr_lane *a = from + MR_A, *L = from + MR_L;
-    const mr_lane mass = point[0], mass_rad = radius[0]; /* 5 */
+    const mr_lane mass = point[0], mass_rad = radius[0]; /* A1:5 */
     const mr_lane *c = point + 1, *c_rad = radius + 1, *I = point + 4, *I_rad = radius + 4;
     const mr_lane w_size[3] = SIZES_3(MR_LANE_ABS, w), wa_size[3] = SIZES_3(MR_LANE_ABS, wa);
     const mr_lane dw_size[3] = SIZES_3(MR_LANE_ABS, dw), zero = MR_LANE_SPLAT(0.0);
-    mr_lane e[3], e_rad[3] = {zero, zero, zero}, turned[3] = {zero, zero, zero};
+    mr_lane e[3], e_rad[3] = {zero, zero, zero}, rotated[3] = {zero, zero, zero};
     mr_lane F[3], F_rad[3], N[3], N_rad[3], Iw[3], Iw_rad[3], M[3], M_rad[3];
 
-    mr_rotate(L, c, e); /* 23 */
+    mr_rotate(L, c, e); /* A1:23 */
     mr_add(a, e);
     ADD_CROSS_SIZES(dw_size, c_rad, e_rad);
-    ADD_CROSS_SIZES(wa_size, c_rad, turned);
-    ADD_CROSS_SIZES(w_size, turned, e_rad);
-    for (int k = 0; k < 3; ++k) /* 27 */
+    ADD_CROSS_SIZES(wa_size, c_rad, rotated);
+    ADD_CROSS_SIZES(w_size, rotated, e_rad);
+    for (int k = 0; k < 3; ++k) /* A1:27 */
         times_mass(mass, mass_rad, e[k], e_rad[k], &F[k], &F_rad[k]);
-    mr_symmetric(I, dw, N); /* 30 */
+    mr_symmetric(I, dw, N); /* A1:30 */
     mr_symmetric(I_rad, dw_size, N_rad);
     mr_symmetric(I, w, Iw);
     mr_symmetric(I_rad, w_size, Iw_rad);
     mr_add_cross(wa, Iw, N);
     ADD_CROSS_SIZES(wa_size, Iw_rad, N_rad);
-    for (int k = 0; k < 3; ++k) { /* 29 */
+    for (int k = 0; k < 3; ++k) { /* A1:29 */
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         mr_lane first, first_rad, second, second_rad;
         product(c[i], c_rad[i], F[j], F_rad[j], &first, &first_rad);
@@ -146,12 +146,15 @@ static inline void body_box(const mr_model *model, const mr_bounds *bounds,
     mr_add(M, N);
     mr_add(M_rad, N_rad);
 
-    const mr_lane heavy = mass + mass_rad, reach = sizes[0], lever = sizes[1], inertia = sizes[2];
-    const mr_lane way = reach + size->out, force = heavy * (size->a + size->k * way);
-    const mr_lane under = size->under * ((1.0 + way) * (1.0 + way)) * (1.0 + heavy);
-    const mr_lane F_more = error * force + under;
-    const mr_lane N_more =
-        error * (lever * force + size->k * inertia) + (under * (1.0 + lever)) * (1.0 + inertia);
+    const mr_lane mass_max = mass + mass_rad, reach = sizes[0], lever = sizes[1],
+                  inertia = sizes[2];
+    const mr_lane distance = reach + size->prismatic_reach,
+                  force = mass_max * (size->acceleration + size->rotation * distance);
+    const mr_lane underflow =
+        size->underflow * ((1.0 + distance) * (1.0 + distance)) * (1.0 + mass_max);
+    const mr_lane F_more = error * force + underflow;
+    const mr_lane N_more = error * (lever * force + size->rotation * inertia) +
+                           (underflow * (1.0 + lever)) * (1.0 + inertia);
     for (int k = 0; k < 3; ++k) {
         F_rad[k] += F_more;
         N_rad[k] += N_more;
@@ -161,9 +164,10 @@ static inline void body_box(const mr_model *model, const mr_bounds *bounds,
         mr_lane R[9], p[3], f[3], f_rad[3], n[3], n_rad[3];
         for (size_t k = 0; k < 9; ++k) R[k] = MR_TAKE_CONSTANT(T + k * stride, b);
         for (size_t k = 0; k < 3; ++k) p[k] = MR_TAKE_CONSTANT(T + (9 + k) * stride, b);
-        const double turn = (MR_CONSTANT_ROTATION + MR_BOX_TURN) * MR_U;
+        const double turn = (MR_CONSTANT_ROTATION + MR_BOX_ROTATION) * MR_U;
         const mr_lane length = (MR_LANE_ABS(p[0]) + MR_LANE_ABS(p[1])) + MR_LANE_ABS(p[2]);
-        const mr_lane moment = ((MR_CONSTANT_LEVER + MR_BOX_MOMENT) * MR_U) * length + MR_UNDER;
+        const mr_lane moment =
+            ((MR_CONSTANT_LEVER + MR_BOX_MOMENT) * MR_U) * length + MR_UNDERFLOW;
         ROTATE_BOX(mr_lane, MR_LANE_ABS, R, turn, F, F_rad, f, f_rad);
         ROTATE_BOX(mr_lane, MR_LANE_ABS, R, turn, N, N_rad, n, n_rad);
         ADD_MOMENT(mr_lane, MR_LANE_ABS, p, moment, f, f_rad, n, n_rad);
@@ -197,7 +201,7 @@ static void add_box(const mr_wrench_box *x, mr_wrench_box *sum) {
 static void sum_of_bodies(const mr_model *model, const mr_workspace *ws) {
     const size_t stride = mr_body_stride(model);
     mr_wrench_box *wrenches = ws->wrench.box;
-    for (int32_t i = 0; i < model->j; ++i) /* 25 */
+    for (int32_t i = 0; i < model->j; ++i) /* A1:25 */
         for (int k = 0; k < 3; ++k)
             wrenches[i].f[k] = wrenches[i].f_rad[k] = wrenches[i].n[k] = wrenches[i].n_rad[k] =
                 MR_SPLAT(0.0);
@@ -220,10 +224,10 @@ void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_si
     const double depth = mr_of_model(model)->depth, summed = model->b + model->j;
     const double defect = MR_DEFECTS * mr_of_model(model)->defect;
     const double body_rate = MR_MOTION_JOINT * depth + MR_MOTION_ONCE + MR_BOX_BODY;
-    const MR_REAL body_error = second_order(defect + MR_U * (body_rate + 2.0 * size->followed));
+    const MR_REAL body_error = second_order(defect + MR_U * (body_rate + 2.0 * size->mimic_angle));
     const MR_REAL turn_error =
-        second_order(defect + MR_U * (MR_ROTATION + MR_BOX_TURN + size->followed));
-    const double grown =
+        second_order(defect + MR_U * (MR_ROTATION + MR_BOX_ROTATION + size->mimic_angle));
+    const double growth =
         1.0 + MR_U * (MR_RADIUS_JOINT * depth + MR_RADIUS_ONCE + MR_RADIUS_SUM * summed);
     mr_wrench_box *wrenches = ws->wrench.box;
     mr_wrench_box carried; /* to `parent` */
@@ -232,7 +236,7 @@ void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_si
         body_box(model, bounds, size, body_error, ws->bodies, b);
     sum_of_bodies(model, ws);
 
-    for (int32_t i = model->j - 1; i >= 0; --i) { /* 26 */
+    for (int32_t i = model->j - 1; i >= 0; --i) { /* A1:26 */
         const mr_link *link = &ws->links[i];
         const double *z = model->after[i].R + 6, *before = model->before[i].p;
         const mr_joint_constants *constants = &mr_of_joints(model)[i];
@@ -241,28 +245,29 @@ void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_si
         if (parent >= 0 && parent != i) add_box(&carried, &wrenches[parent]); /* a branch */
         mr_wrench_box own = wrenches[i];
         if (parent == i) add_box(&carried, &own);
-        if (model->joint_type[i] != MR_REVOLUTE) length += size->out;
-        const MR_REAL lever_error = (MR_U * (MR_LEVER + MR_BOX_MOMENT)) * length + MR_UNDER;
+        if (model->joint_type[i] != MR_REVOLUTE) length += size->prismatic_reach;
+        const MR_REAL lever_error = (MR_U * (MR_LEVER + MR_BOX_MOMENT)) * length + MR_UNDERFLOW;
         ADD_MOMENT(MR_REAL, MR_ABS, link->p, lever_error, own.f, own.f_rad, own.n,
-                   own.n_rad); /* 30 */
+                   own.n_rad); /* A1:30 */
         const int revolute = model->joint_type[i] == MR_REVOLUTE;
         const MR_REAL *along = revolute ? own.n : own.f;
         const MR_REAL *along_rad = revolute ? own.n_rad : own.f_rad;
-        const MR_REAL mid = mr_dot(along, z); /* 32, 34 */
+        const MR_REAL mid = mr_dot(along, z); /* A1:32, A1:34 */
         const MR_REAL rad = mr_dot(along_rad, z_size) +
                             (MR_U * (MR_CONSTANT_AXIS + MR_BOX_AXIS)) *
                                 BOX_NORM(MR_ABS, along, along_rad) + MR_ETA;
-        ws->lo[i] = mr_down(mid - rad * grown);
-        ws->hi[i] = mr_up(mid + rad * grown);
+        ws->lo[i] = mr_down(mid - rad * growth);
+        ws->hi[i] = mr_up(mid + rad * growth);
         parent = model->parent[i];
         if (parent < 0) continue;
         ROTATE_BOX(MR_REAL, MR_ABS, link->R, turn_error, own.f, own.f_rad, carried.f,
-                   carried.f_rad); /* 28 */
+                   carried.f_rad); /* A1:28 */
         ROTATE_BOX(MR_REAL, MR_ABS, link->R, turn_error, own.n, own.n_rad, carried.n,
-                   carried.n_rad); /* 29 */
+                   carried.n_rad); /* A1:29 */
         if (constants->before != MR_IDENTITY) {
-            const double error = (MR_U * (MR_CONSTANT_LEVER + MR_BOX_MOMENT)) *
-                                     constants->before_norm + MR_UNDER;
+            const double error =
+                (MR_U * (MR_CONSTANT_LEVER + MR_BOX_MOMENT)) * constants->before_norm +
+                MR_UNDERFLOW;
             MR_REAL lever[3];
             mr_splat(before, lever);
             ADD_MOMENT(MR_REAL, MR_ABS, lever, error, carried.f, carried.f_rad, carried.n,
@@ -271,7 +276,7 @@ void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_si
     }
 }
 
-void mr_lead_box(const mr_model *model, MR_REAL *lo, MR_REAL *hi) {
+void mr_fold_mimic_box(const mr_model *model, MR_REAL *lo, MR_REAL *hi) {
     const int32_t n = model->n, *moves = model->moves;
     if (model->j == n) return;
     for (int32_t k = 0; k < model->j - n; ++k) {

@@ -25,14 +25,14 @@ static inline double *mr_align(double *memory) {
 /* Constants of a model, all doubles: the header, (j) of the next, then the placements of the
  * bodies component by component (12, b padded) and what their tensors are about (b padded). */
 typedef struct {
-    double depth;      /* joints on the longest way from the base to a link */
+    double depth;      /* joints on the longest path from the base to a link */
     double defect;     /* sum of all rotation matrices' distances from an orthonormal one */
     double serial;     /* 1 where every joint's parent is the joint before it */
     double prismatic;  /* 1 where a joint is prismatic */
     double placements; /* how the placements of the bodies act, all of them */
     double aligned;    /* 1 where body k moves with joint k, for all bodies */
     double framed;     /* 1 where the tensor of a body is about its frame */
-    double poison;     /* 0, or not a number where a constant is not finite */
+    double nonfinite_flag; /* 0, or not a number where a constant is not finite */
 } mr_model_constants;
 
 typedef struct {
@@ -43,7 +43,7 @@ typedef struct {
 } mr_joint_constants;
 
 static inline const mr_model_constants *mr_of_model(const mr_model *model) {
-    return (const mr_model_constants *)model->folded;
+    return (const mr_model_constants *)model->precomputed;
 }
 
 static inline const mr_joint_constants *mr_of_joints(const mr_model *model) {
@@ -65,20 +65,20 @@ static inline const double *mr_abouts(const mr_model *model) {
 #define MR_POINT 10
 void mr_point_of(const mr_model *model, const mr_parameters *parameters, double *point);
 
-/* Rounding of joint i's torque, (26): a times acceleration plus k times rotation, and more where
+/* Rounding of joint i's torque, (26): factors of the acceleration's and rotation's sizes, more where
  * prismatic joints reach out. */
 typedef struct {
-    double a, a_out, k, k_out;
+    double acceleration, acceleration_prismatic, rotation, rotation_prismatic;
 } mr_slack_constants;
 
-/* Largest factors of any product: the way from the base to a COM, and mass or inertia. */
+/* Largest factors of any product: the distance from the base to a COM, and mass or inertia. */
 typedef struct {
-    double reach, heavy;
+    double reach, mass_max;
 } mr_slack_factors;
 
 /* What an interval pass needs to know of the bodies, component by component (23, b padded): the
- * middle of the box of parameters as given, its radius, and three sizes for (27): the way from the
- * base to the farthest COM and four radii, twice the COM's, the largest inertia and four radii. */
+ * middle of the box of parameters as given, its radius, and three sizes for (27): the distance from
+ * the base to the farthest COM and four radii, twice the COM's, the largest inertia and four radii. */
 #define MR_RANGE (2 * MR_POINT + 3)
 
 /* An uncertain body's box as differences from nominal: shift +- radius. */
@@ -121,12 +121,13 @@ static inline const mr_body_box *mr_boxes(const mr_model *model, const mr_bounds
 
 /* One link after the forward recursion of Algorithm 1, in its own frame. */
 typedef struct {
-    MR_REAL R[9]; /* link to parent link, line 6 */
-    MR_REAL p[3]; /* joint frame origin to link frame origin, line 9 */
+    MR_REAL R[9]; /* link to parent link, A1:6 */
+    MR_REAL p[3]; /* joint frame origin to link frame origin, A1:9 */
 } mr_link;
 
-/* Components of the motion of links and bodies, in arrays: angular velocity (lines 13 and 18), the
- * auxiliary one (14, 19), angular acceleration (15, 20), acceleration less gravity (16, 21). */
+/* Components of the motion of links and bodies, in arrays: angular velocity (A1:13 and A1:18), the
+ * auxiliary one (A1:14, A1:19), angular acceleration (A1:15, A1:20), acceleration less gravity
+ * (A1:16, A1:21). */
 enum { MR_W = 0, MR_WA = 3, MR_DW = 6, MR_A = 9, MR_MOTION = 12 };
 /* Those of a body go on: L of (16), acceleration of the nominal COM less gravity, and force and
  * moment in link axes about the link's origin. */
@@ -144,11 +145,11 @@ typedef struct {
 
 /* Upper bounds of Euclidean norms at one state, (25). */
 typedef struct {
-    MR_REAL k;        /* |dw| + |w| |wa| of every link, and what their errors grow from */
-    MR_REAL a;        /* the acceleration of every link's origin, likewise */
-    MR_REAL out;      /* what prismatic joints add to any way */
-    MR_REAL under;    /* what underflow may change in an acceleration or a lever's moment */
-    MR_REAL followed; /* sum of what the followers' angles are off, in units of u */
+    MR_REAL rotation; /* |dw| + |w| |wa| of every link, and what their errors grow from */
+    MR_REAL acceleration; /* the acceleration of every link's origin, likewise */
+    MR_REAL prismatic_reach; /* what prismatic joints add to any distance */
+    MR_REAL underflow; /* what underflow may change in an acceleration or a lever's moment */
+    MR_REAL mimic_angle; /* sum of what the mimic joints' angles are off, in units of u */
 } mr_motion_size;
 
 /* Joint and link seen from the base frame, for the hull. */
@@ -183,7 +184,7 @@ typedef struct {
     double *point;      /* (MR_POINT, b padded) */
     MR_REAL *lo, *hi, *mid, *slack; /* (j padded) results before they are known to be finite */
     MR_REAL *dq_a, *ddq_a, *dq_a_size, *ddq_a_size; /* (j padded) of (4) */
-    MR_REAL *full[6];   /* (j padded) the state with its followers */
+    MR_REAL *full[6];   /* (j padded) the state with its mimic joints */
 } mr_workspace;
 
 mr_workspace mr_workspace_view(const mr_model *model, double *memory);
@@ -195,34 +196,34 @@ static inline int mr_all_finite(int32_t n, const double *x) {
     return !odd;
 }
 
-/* Copies the state and adds positions, velocities and accelerations of the followers, (15);
- * without followers only the positions are copied, which are read in registers. */
-void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]);
+/* Copies the state and adds positions, velocities and accelerations of the mimic joints, (15);
+ * without mimic joints only the positions are copied, which are read in registers. */
+void mr_expand_mimic(const mr_model *model, mr_state *state, MR_REAL *const full[6]);
 
-/* Checks the n entries of each vector and adds those of the followers. */
+/* Checks the n entries of each vector and adds those of the mimic joints. */
 mr_status mr_full_state(const mr_model *model, const mr_workspace *ws, const mr_state *given,
                         mr_state *state);
 
-/* Adds the followers' torques to those of their leaders, (15): from (j) to (n) in place. */
-void mr_lead(const mr_model *model, MR_REAL *tau);
-void mr_lead_box(const mr_model *model, MR_REAL *lo, MR_REAL *hi);
+/* Adds the mimic joints' torques to those of their leaders, (15): from (j) to (n) in place. */
+void mr_fold_mimic_torque(const mr_model *model, MR_REAL *tau);
+void mr_fold_mimic_box(const mr_model *model, MR_REAL *lo, MR_REAL *hi);
 
 void mr_sine_cosine(mr_lane x, mr_lane *sine, mr_lane *cosine);
 
 /* Sines and cosines of all joints' positions. */
 void mr_all_sines(const mr_model *model, const MR_REAL *q, MR_REAL *sines);
 
-/* Rotation of link i to its parent and lever: lines 6 to 9 of Algorithm 1. */
+/* Rotation of link i to its parent and lever: A1:6 to A1:9 (lines of Algorithm 1). */
 void mr_joint_geometry(const mr_model *model, int32_t i, const MR_REAL *q, const MR_REAL *sines,
                        mr_link *link);
 
-/* Lines 2 to 24 of Algorithm 1 without the bodies. */
+/* A1:2 to A1:24 without the bodies. */
 void mr_forward_recursion(const mr_model *model, const mr_state *state, const mr_workspace *ws);
 
 /* Motion of every moving body in its own frame, and the force and moment that it asks for. */
 void mr_body_pass(const mr_model *model, const double *point, const mr_workspace *ws);
 
-/* From line 25 on with real parameters, without drives. */
+/* From A1:25 on with real parameters, without drives. */
 void mr_backward_recursion(const mr_model *model, const mr_workspace *ws, MR_REAL *tau);
 
 /* All of NE* without drives; no checks. */
@@ -243,7 +244,7 @@ void mr_rounding_slack(const mr_model *model, const mr_slack_factors *factors,
                        const mr_slack_constants *constants, const mr_parameters *parameters,
                        const mr_state *state, const mr_motion_size *size, MR_REAL *slack);
 
-/* Algorithm 1 from line 25 on. */
+/* From A1:25 on, with intervals. */
 void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_size *size,
               const mr_workspace *ws);
 
@@ -345,7 +346,7 @@ mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, con
 int32_t mr_do_find_uncertain(int32_t b, const mr_parameters *lower, const mr_parameters *upper,
                              int32_t *uncertain);
 void mr_do_sincos(double x, double *sine, double *cosine);
-void mr_do_fold(const mr_model *model, double *folded);
+void mr_do_precompute_model(const mr_model *model, double *precomputed);
 void mr_do_prepare(const mr_model *model, const mr_bounds *bounds, double *prepared);
 
 #endif

@@ -47,9 +47,9 @@ typedef struct {
 } mr_transform;
 
 /* Geometry of a robot with b bodies and j joints, (14). parent[i] < i, -1 is the base. n joints
- * move freely; the j - n others follow one of them, (15): every vector of positions, velocities,
+ * move freely; the j - n others mimic one of them, (15): every vector of positions, velocities,
  * accelerations and torques has n entries, every array of joint data has j. A revolute joint that
- * wraps may be turned endlessly: its followers shall then be revolute and their multipliers whole. */
+ * wraps may turn endlessly: its mimic joints shall then be revolute and their multipliers whole. */
 typedef struct {
     int32_t n;
     int32_t j;
@@ -60,23 +60,23 @@ typedef struct {
     const mr_transform *after;     /* (j) joint frame to link frame, follows the motion */
     const double *gear_ratio;      /* (j) */
     const double *coulomb_speed;   /* (j) v_c of (20) [rad/s] or [m/s] */
-    const int32_t *moves;          /* (j) joint that entry i of a vector moves, ascending; then the
-                                    * joints that follow; not read where all joints are free */
-    const int32_t *leader;         /* (j - n) entry of a vector that joint moves[n + k] follows */
+    const int32_t *moves; /* (j) joint that entry i of a vector moves, ascending; then the
+                                    * mimic joints; not read where all joints are free */
+    const int32_t *leader; /* (j - n) entry of a vector that joint moves[n + k] mimics */
     const double *multiplier;      /* (j - n) */
     const double *offset;          /* (j - n) [rad] or [m] */
     const int32_t *body_joint;     /* (b) joint that moves the body, -1 is the base */
     const mr_transform *placement; /* (b) body frame in its link frame */
     const int32_t *inertia_about;  /* (b) mr_inertia_point: what all tensors of the body are about */
     double gravity[3];             /* in the base frame [m/s^2] */
-    const double *folded;          /* what mr_fold computed from all above */
+    const double *precomputed;     /* what mr_precompute_model computed from all above */
     const int32_t *wraps;          /* (n) not 0: error of (4) less whole turns; NULL: nowhere */
 } mr_model;
 
-/* Computes the model's constants once, into mr_folded_size doubles; model->folded shall then point
- * to them. Every other function but those that return a size needs them. */
-size_t mr_folded_size(const mr_model *model);
-void mr_fold(const mr_model *model, double *folded);
+/* Computes the model's constants once, into mr_precomputed_size doubles; model->precomputed shall then
+ * point to them. Every other function but those that return a size needs them. */
+size_t mr_precomputed_size(const mr_model *model);
+void mr_precompute_model(const mr_model *model, double *precomputed);
 
 /* One point of the dynamic parameters. */
 typedef struct {

@@ -1,7 +1,7 @@
 /* Forward recursion of Algorithm 1 on T_i = before_i J_i(q_i) after_i, (14). */
 #include "mr_internal.h"
 
-void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]) {
+void mr_expand_mimic(const mr_model *model, mr_state *state, MR_REAL *const full[6]) {
     const int32_t n = model->n;
     const MR_REAL *given[6] = {state->q,     state->dq,        state->dq_a,
                                state->ddq_a, state->dq_a_size, state->ddq_a_size};
@@ -15,16 +15,16 @@ void mr_follow(const mr_model *model, mr_state *state, MR_REAL *const full[6]) {
         for (int32_t i = 0; i < n; ++i) full[v][model->moves[i]] = given[v][i];
         for (int32_t k = 0; k < model->j - n; ++k) {
             const double factor = v < 4 ? model->multiplier[k] : fabs(model->multiplier[k]);
-            MR_REAL *const follower = &full[v][model->moves[n + k]];
-            *follower = factor * given[v][model->leader[k]];
-            if (v == 0) *follower += model->offset[k];
+            MR_REAL *const mimic_joint = &full[v][model->moves[n + k]];
+            *mimic_joint = factor * given[v][model->leader[k]];
+            if (v == 0) *mimic_joint += model->offset[k];
         }
     }
     *state = (mr_state){full[0], full[1], full[2], full[3], given[4] ? full[4] : NULL,
                         given[5] ? full[5] : NULL};
 }
 
-void mr_lead(const mr_model *model, MR_REAL *tau) {
+void mr_fold_mimic_torque(const mr_model *model, MR_REAL *tau) {
     const int32_t n = model->n, *moves = model->moves;
     if (model->j == n) return;
     for (int32_t k = 0; k < model->j - n; ++k)
@@ -45,8 +45,8 @@ void mr_joint_geometry(const mr_model *model, int32_t i, const MR_REAL *q, const
                        mr_link *link) {
     const mr_joint_constants *constants = &mr_of_joints(model)[i];
     const double *A = model->after[i].R;
-    MR_REAL turned[9];
-    MR_REAL *joint_to_link = constants->before == MR_GENERAL ? turned : link->R;
+    MR_REAL rotated[9];
+    MR_REAL *joint_to_link = constants->before == MR_GENERAL ? rotated : link->R;
     mr_splat(constants->lever, link->p);
     for (int k = 0; k < 3; ++k) joint_to_link[6 + k] = MR_SPLAT(A[6 + k]);
     if (model->joint_type[i] == MR_REVOLUTE) {
@@ -59,7 +59,7 @@ void mr_joint_geometry(const mr_model *model, int32_t i, const MR_REAL *q, const
         mr_add_scaled(q[i], A + 6, link->p);
         for (int k = 0; k < 6; ++k) joint_to_link[k] = MR_SPLAT(A[k]);
     }
-    if (constants->before == MR_GENERAL) mr_multiply(model->before[i].R, turned, link->R);
+    if (constants->before == MR_GENERAL) mr_multiply(model->before[i].R, rotated, link->R);
 }
 
 /* a += dw x p + w x (wa x p) */
@@ -80,13 +80,13 @@ void mr_forward_recursion(const mr_model *model, const mr_state *state, const mr
     for (int32_t i = 0; i < model->j; ++i) {
         mr_link *link = &ws->links[i];
         const int32_t parent = model->parent[i];
-        const double *g = model->gravity, *z = model->after[i].R + 6; /* line 8 */
+        const double *g = model->gravity, *z = model->after[i].R + 6; /* A1:8 */
         const MR_REAL dq = state->dq[i], dq_a = state->dq_a[i], ddq_a = state->ddq_a[i];
         MR_REAL cross[3];
         mr_joint_geometry(model, i, state->q, ws->sines, link);
 
         if (parent < 0) {
-            const double base_a[3] = {-g[0], -g[1], -g[2]}; /* line 3 */
+            const double base_a[3] = {-g[0], -g[1], -g[2]}; /* A1:3 */
             mr_unrotate(link->R, base_a, a);
             for (int k = 0; k < 3; ++k) w[k] = wa[k] = dw[k] = MR_SPLAT(0.0);
         } else {
@@ -96,25 +96,25 @@ void mr_forward_recursion(const mr_model *model, const mr_state *state, const mr
             if (mr_of_joints(model)[i].before != MR_IDENTITY) /* to the joint frame's origin */
                 ADD_CARRIED(w, wa, dw, model->before[i].p, a);
             for (int v = 0; v < MR_MOTION; v += 3) {
-                MR_REAL turned[3];
-                mr_unrotate(link->R, from + v, turned);
-                mr_copy(turned, from + v);
+                MR_REAL rotated[3];
+                mr_unrotate(link->R, from + v, rotated);
+                mr_copy(rotated, from + v);
             }
         }
 
         mr_cross(wa, z, cross);
         if (model->joint_type[i] == MR_REVOLUTE) {
-            mr_add_scaled(ddq_a, z, dw); /* line 15 */
+            mr_add_scaled(ddq_a, z, dw); /* A1:15 */
             mr_add_scaled(dq, cross, dw);
-            mr_add_scaled(dq, z, w);    /* line 13 */
-            mr_add_scaled(dq_a, z, wa); /* line 14 */
-        } else { /* the three terms at the end of line 21 */
+            mr_add_scaled(dq, z, w);    /* A1:13 */
+            mr_add_scaled(dq_a, z, wa); /* A1:14 */
+        } else { /* the three terms at the end of A1:21 */
             mr_add_scaled(dq, cross, a);
             mr_cross(w, z, cross);
             mr_add_scaled(dq_a, cross, a);
             mr_add_scaled(ddq_a, z, a);
         }
-        ADD_CARRIED(w, wa, dw, link->p, a); /* lines 16 and 21 */
+        ADD_CARRIED(w, wa, dw, link->p, a); /* A1:16 and A1:21 */
         for (size_t k = 0; k < MR_MOTION; ++k) ws->motion[k * stride + (size_t)i] = from[k];
     }
 }

@@ -57,7 +57,7 @@ static void unit_wrench(const mr_model *model, int32_t i, const mr_link *link,
 }
 
 /* G' M G for the map G of (15), from (j, j) to (n, n) in place. */
-static void fold_followers(const mr_model *model, double *M) {
+static void fold_mimic_inertia(const mr_model *model, double *M) {
     const int32_t n = model->n, j = model->j, *moves = model->moves;
     if (j == n) return;
     for (int32_t k = 0; k < j - n; ++k)
@@ -125,7 +125,7 @@ void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
             add_composite(&bodies[i], links[i].R, p, &bodies[model->parent[i]]);
         }
     }
-    fold_followers(model, M);
+    fold_mimic_inertia(model, M);
 }
 
 mr_status mr_cholesky_solve(int32_t n, double *M, double *x) {
@@ -224,7 +224,7 @@ mr_status mr_do_forward_dynamics(const mr_model *model, const mr_parameters *par
     mr_point_of(model, parameters, ws.point);
     mr_newton_euler(model, ws.point, &state, &ws, x);
     if (drives) mr_add_drives(model, parameters, &state, x);
-    mr_lead(model, x);
+    mr_fold_mimic_torque(model, x);
     for (int32_t i = 0; i < model->n; ++i) x[i] = tau[i] - x[i];
     mr_composite_mass(model, parameters, ws.links, drives, composite, M);
     status = mr_cholesky_solve(model->n, M, x);

@@ -50,9 +50,9 @@ static inline void body_block(const mr_model *model, const double *point, const 
         mr_add_cross(dw, p, a);
         mr_add_cross(w, carried, a);
         for (size_t v = 0; v < MR_MOTION; v += 3) {
-            mr_lane turned[3];
-            mr_unrotate(R, motion + v, turned);
-            mr_copy(turned, motion + v);
+            mr_lane rotated[3];
+            mr_unrotate(R, motion + v, rotated);
+            mr_copy(rotated, motion + v);
         }
     }
     mr_lane c[3], I[6], L[9], e[3], F[3], N[3], Iw[3];
@@ -61,12 +61,12 @@ static inline void body_block(const mr_model *model, const double *point, const 
     for (size_t k = 0; k < 6; ++k) I[k] = MR_TAKE_CONSTANT(point + (4 + k) * stride, b);
     acceleration_matrix(w, wa, dw, L);
     mr_rotate(L, c, e);
-    mr_add(a, e); /* 23 */
-    for (int k = 0; k < 3; ++k) F[k] = mass * e[k]; /* 27 */
-    mr_symmetric(I, dw, N);                                  /* 30 */
+    mr_add(a, e); /* A1:23 */
+    for (int k = 0; k < 3; ++k) F[k] = mass * e[k]; /* A1:27 */
+    mr_symmetric(I, dw, N);                                  /* A1:30 */
     mr_symmetric(I, w, Iw);
     mr_add_cross(wa, Iw, N);
-    mr_add_cross(c, F, N); /* 29 */
+    mr_add_cross(c, F, N); /* A1:29 */
     if (moved) {
         mr_lane f[3], n[3];
         mr_rotate(R, F, f);
@@ -110,8 +110,8 @@ void mr_backward_recursion(const mr_model *model, const mr_workspace *ws, MR_REA
         const double *z = model->after[i].R + 6;
         MR_REAL own_f[3], own_n[3];
         if (parent != i && parent >= 0) { /* a branch: put down for later */
-            mr_add(f, wrenches[parent].f); /* 28 */
-            mr_add(n, wrenches[parent].n); /* 29 */
+            mr_add(f, wrenches[parent].f); /* A1:28 */
+            mr_add(n, wrenches[parent].n); /* A1:29 */
         }
         mr_copy(wrenches[i].f, own_f);
         mr_copy(wrenches[i].n, own_n);
@@ -119,7 +119,7 @@ void mr_backward_recursion(const mr_model *model, const mr_workspace *ws, MR_REA
             mr_add(f, own_f);
             mr_add(n, own_n);
         }
-        mr_add_cross(link->p, own_f, own_n); /* 30: moment about the joint frame's origin */
+        mr_add_cross(link->p, own_f, own_n); /* A1:30: moment about the joint frame's origin */
         if (model->joint_type[i] == MR_REVOLUTE)
             tau[i] = mr_dot(own_n, z);
         else

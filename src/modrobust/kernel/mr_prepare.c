@@ -1,5 +1,5 @@
-/* Constants folded at load: kinds and norms of the transforms, and each body's box as differences
- * from nominal. */
+/* Constants precomputed at load: kinds and norms of the transforms, and each body's box as
+ * differences from nominal. */
 #include "mr_internal.h"
 #include "mr_rounding.h"
 
@@ -48,25 +48,25 @@ static double defect_of(const mr_transform *T) {
 }
 
 /* 0 times any finite number is 0, and not a number otherwise. */
-static double poison_of(const mr_transform *T) {
-    double poison = 0.0;
-    for (int k = 0; k < 9; ++k) poison += 0.0 * T->R[k];
-    for (int k = 0; k < 3; ++k) poison += 0.0 * T->p[k];
-    return poison;
+static double nonfinite_flag_of(const mr_transform *T) {
+    double nonfinite_flag = 0.0;
+    for (int k = 0; k < 9; ++k) nonfinite_flag += 0.0 * T->R[k];
+    for (int k = 0; k < 3; ++k) nonfinite_flag += 0.0 * T->p[k];
+    return nonfinite_flag;
 }
 
-size_t mr_folded_size(const mr_model *model) {
+size_t mr_precomputed_size(const mr_model *model) {
     return DOUBLES(mr_model_constants) + (size_t)model->j * DOUBLES(mr_joint_constants) +
            13 * mr_body_stride(model);
 }
 
-void mr_do_fold(const mr_model *model, double *folded) {
+void mr_do_precompute_model(const mr_model *model, double *precomputed) {
     const size_t stride = mr_body_stride(model);
-    mr_model_constants *whole = (mr_model_constants *)folded;
+    mr_model_constants *whole = (mr_model_constants *)precomputed;
     mr_joint_constants *joints = (mr_joint_constants *)(whole + 1);
     double *placements = (double *)(joints + model->j);
     *whole = (mr_model_constants){0.0, 0.0, 1.0, 0.0, MR_IDENTITY, 1.0, 0.0, 0.0};
-    for (int k = 0; k < 3; ++k) whole->poison += 0.0 * model->gravity[k];
+    for (int k = 0; k < 3; ++k) whole->nonfinite_flag += 0.0 * model->gravity[k];
     for (int32_t i = 0; i < model->j; ++i) {
         const mr_transform *before = &model->before[i], *after = &model->after[i];
         double depth = 1.0;
@@ -75,18 +75,18 @@ void mr_do_fold(const mr_model *model, double *folded) {
         if (model->parent[i] != i - 1) whole->serial = 0.0;
         if (model->joint_type[i] == MR_PRISMATIC) whole->prismatic = 1.0;
         whole->defect += defect_of(before) + defect_of(after);
-        whole->poison += poison_of(before) + poison_of(after) + 0.0 * model->gear_ratio[i] +
-                         0.0 * model->coulomb_speed[i];
+        whole->nonfinite_flag += nonfinite_flag_of(before) + nonfinite_flag_of(after) +
+                                 0.0 * model->gear_ratio[i] + 0.0 * model->coulomb_speed[i];
         joints[i].before = kind_of(before);
         joints[i].before_norm = norm_up(3, before->p);
         joints[i].lever_norm = norm_up(3, after->p);
-        mr_unrotate(after->R, after->p, joints[i].lever); /* line 9 */
+        mr_unrotate(after->R, after->p, joints[i].lever); /* A1:9 */
     }
     for (size_t k = 0; k < 13 * stride; ++k) placements[k] = 0.0;
     for (int32_t b = 0; b < model->b; ++b) {
         const mr_transform *T = &model->placement[b];
         whole->defect += defect_of(T);
-        whole->poison += poison_of(T);
+        whole->nonfinite_flag += nonfinite_flag_of(T);
         if (kind_of(T) != MR_IDENTITY) whole->placements = MR_GENERAL;
         if (model->body_joint[b] != b) whole->aligned = 0.0;
         for (size_t k = 0; k < 9; ++k) placements[k * stride + (size_t)b] = T->R[k];
@@ -155,18 +155,18 @@ static mr_body_box box_of(const mr_bounds *bounds, int32_t b) {
     return box;
 }
 
-/* Sums over the bodies that a joint carries; X is the way from the base to the COM, x the way from
- * a frame. Force m (a + k X), moment m (a + k X) x + k |I|, and their changes over the box. */
+/* Sums over the bodies that a joint carries; X is the distance from the base to the COM, x that
+ * from a frame. Force m (a + k X), moment m (a + k X) x + k |I|, and their changes over the box. */
 typedef struct {
-    double reach;          /* way from the base to the link frame, prismatic joints at zero */
+    double reach; /* from the base to the link frame, prismatic joints at zero */
     double m, mX, mx, mXx; /* mXx holds |I| too */
     double dm, dmX, dmXX;  /* dmX holds m r too, and dmXX all else that k multiplies */
-} sums;
+} subtree_sums;
 
 /* Adds body b to its link's sums; without a box nothing changes. Returns how far its COM may be
  * from the link frame. */
 static double add_body(const mr_model *model, const mr_parameters *at, const mr_bounds *bounds,
-                     int32_t b, sums *s) {
+                       int32_t b, subtree_sums *s) {
     const double m = fabs(at->mass[b]), c = norm_up(3, at->com + 3 * b);
     const double x = norm_up(3, model->placement[b].p) + c;
     const double X = s->reach + x;
@@ -195,15 +195,16 @@ static double add_body(const mr_model *model, const mr_parameters *at, const mr_
 }
 
 /* x of all sums grows by a lever. */
-static void add_way(double lever, sums *s) {
+static void shift_lever(double lever, subtree_sums *s) {
     s->mx += lever * s->m;
     s->mXx += lever * s->mX;
 }
 
 /* Rates times sizes, (26). Errors grow with depth, are there once, and with the bodies and joints
  * that are summed; infinite where the proof ends. work holds mr_slack_work doubles. */
-static void weigh(const mr_model *model, const mr_parameters *at, const mr_bounds *bounds,
-                  double *work, mr_slack_factors *factors, mr_slack_constants *constants) {
+static void slack_constants(const mr_model *model, const mr_parameters *at,
+                            const mr_bounds *bounds, double *work, mr_slack_factors *factors,
+                            mr_slack_constants *constants) {
     const mr_joint_constants *joints = mr_of_joints(model);
     const double depth = mr_of_model(model)->depth, summed = model->b + 2.0 * model->j;
     const double defect = MR_DEFECTS * mr_of_model(model)->defect / MR_U;
@@ -211,22 +212,22 @@ static void weigh(const mr_model *model, const mr_parameters *at, const mr_bound
     double nominal = (MR_NOMINAL_JOINT * depth + MR_NOMINAL_ONCE + summed + defect) * unit;
     double change = (MR_CHANGE_JOINT * depth + MR_CHANGE_ONCE + summed + defect) * unit;
     if (!(change <= MR_RATE_MAX)) nominal = change = INFINITY;
-    sums *all = (sums *)work;
+    subtree_sums *all = (subtree_sums *)work;
     for (int32_t i = 0; i < model->j; ++i) {
-        const int32_t parent = model->parent[i]; /* ways start at the first joint */
+        const int32_t parent = model->parent[i]; /* distances start at the first joint */
         const double before = parent < 0 ? 0.0 : all[parent].reach + joints[i].before_norm;
-        all[i] = (sums){before + joints[i].lever_norm, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+        all[i] = (subtree_sums){before + joints[i].lever_norm, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     }
     *factors = (mr_slack_factors){0.0, 0.0};
     for (int32_t b = 0; b < model->b; ++b) {
         if (model->body_joint[b] < 0) continue;
-        sums *s = &all[model->body_joint[b]];
+        subtree_sums *s = &all[model->body_joint[b]];
         const double reach = s->reach + add_body(model, at, bounds, b, s);
         if (reach > factors->reach) factors->reach = reach;
     }
     for (int32_t i = model->j - 1; i >= 0; --i) {
-        sums *s = &all[i];
-        add_way(joints[i].lever_norm, s);
+        subtree_sums *s = &all[i];
+        shift_lever(joints[i].lever_norm, s);
         const double m = nominal * s->m + change * s->dm, mX = nominal * s->mX + change * s->dmX;
         if (model->joint_type[i] == MR_REVOLUTE)
             constants[i] = (mr_slack_constants){nominal * s->mx + change * s->dmX, m,
@@ -234,11 +235,11 @@ static void weigh(const mr_model *model, const mr_parameters *at, const mr_bound
                                                 nominal * s->mx + mX + change * s->dmX};
         else
             constants[i] = (mr_slack_constants){m, 0.0, mX, m};
-        const double heavy = s->m + s->dm + s->mXx + s->dmXX;
-        if (heavy > factors->heavy) factors->heavy = heavy;
+        const double mass_max = s->m + s->dm + s->mXx + s->dmXX;
+        if (mass_max > factors->mass_max) factors->mass_max = mass_max;
         if (model->parent[i] < 0) continue;
-        sums *parent = &all[model->parent[i]];
-        add_way(joints[i].before_norm, s);
+        subtree_sums *parent = &all[model->parent[i]];
+        shift_lever(joints[i].before_norm, s);
         parent->m += s->m;
         parent->mX += s->mX;
         parent->mx += s->mx;
@@ -249,11 +250,11 @@ static void weigh(const mr_model *model, const mr_parameters *at, const mr_bound
     }
 }
 
-size_t mr_slack_work(const mr_model *model) { return (size_t)model->j * DOUBLES(sums); }
+size_t mr_slack_work(const mr_model *model) { return (size_t)model->j * DOUBLES(subtree_sums); }
 
 void mr_point_slack(const mr_model *model, const mr_parameters *parameters, double *work,
                     mr_slack_factors *factors, mr_slack_constants *constants) {
-    weigh(model, parameters, NULL, work, factors, constants);
+    slack_constants(model, parameters, NULL, work, factors, constants);
 }
 
 size_t mr_prepared_size(const mr_model *model) {
@@ -290,7 +291,7 @@ static void middle_of(double lo, double hi, double *middle, double *radius) {
 }
 
 /* (MR_RANGE, b padded) */
-static void ranges_of(const mr_model *model, const mr_bounds *bounds, const sums *links,
+static void ranges_of(const mr_model *model, const mr_bounds *bounds, const subtree_sums *links,
                       double *ranges) {
     const mr_parameters *l = &bounds->lower, *h = &bounds->upper;
     const size_t stride = mr_body_stride(model);
@@ -328,10 +329,11 @@ void mr_do_prepare(const mr_model *model, const mr_bounds *bounds, double *prepa
     double *point = (double *)(factors + 1), *ranges = point + MR_POINT * stride;
     mr_slack_constants *slack = (mr_slack_constants *)(ranges + MR_RANGE * stride);
     mr_body_box *boxes = (mr_body_box *)(slack + model->j);
-    sums *work = (sums *)(boxes + model->b);
+    subtree_sums *work = (subtree_sums *)(boxes + model->b);
     mr_point_of(model, &bounds->nominal, point);
-    weigh(model, &bounds->nominal, bounds, (double *)work, factors, slack);
-    if (!is_bounds(model, bounds) || mr_of_model(model)->poison != 0.0) factors->reach = NAN;
+    slack_constants(model, &bounds->nominal, bounds, (double *)work, factors, slack);
+    if (!is_bounds(model, bounds) || mr_of_model(model)->nonfinite_flag != 0.0)
+        factors->reach = NAN;
     ranges_of(model, bounds, work, ranges);
     for (int32_t k = 0; k < bounds->uncertain_count; ++k)
         boxes[k] = box_of(bounds, bounds->uncertain[k]);

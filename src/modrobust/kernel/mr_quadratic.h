@@ -1,6 +1,6 @@
 /* The exact range of g . x + x' Q x over the box |x_k| <= r_k, in each lane of a register, (19).
  *
- * Every lane's result depends on that lane alone: which of the three ways below it takes is
+ * Every lane's result depends on that lane alone: which of the three branches below it takes is
  * selected at the end, so that it has the same bits whatever its neighbours hold. */
 #ifndef MR_QUADRATIC_H
 #define MR_QUADRATIC_H

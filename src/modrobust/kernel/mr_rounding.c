@@ -55,18 +55,18 @@ mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state,
     MR_REAL wa = largest_norm(model, ws->motion + MR_WA * stride);
     MR_REAL dw = largest_norm(model, ws->motion + MR_DW * stride);
     MR_REAL a = largest_norm(model, ws->motion + MR_A * stride);
-    MR_REAL turned = zero, v = zero, va = zero, dv = zero;
-    double followers = 1.0;
+    MR_REAL turning = zero, v = zero, va = zero, dv = zero;
+    double multipliers = 1.0;
     mr_motion_size size;
-    size.followed = size.out = zero;
+    size.mimic_angle = size.prismatic_reach = zero;
     for (int32_t i = 0; i < model->j; ++i) {
         if (model->joint_type[i] == MR_REVOLUTE) {
-            turned += MR_ABS(state->dq[i]);
+            turning += MR_ABS(state->dq[i]);
         } else {
             v += MR_ABS(state->dq[i]);
             va += MR_ABS(state->dq_a[i]);
             dv += MR_ABS(state->ddq_a[i]);
-            size.out += MR_ABS(state->q[i]);
+            size.prismatic_reach += MR_ABS(state->q[i]);
         }
         if (state->dq_a_size) { /* sums: their rounding counts an eighth, or fully in a */
             wa += 0.125 * state->dq_a_size[i];
@@ -78,35 +78,41 @@ mr_motion_size mr_size_of_motion(const mr_model *model, const mr_state *state,
         }
     }
     for (int32_t k = 0; k < model->j - model->n; ++k) { /* before the sum may have cancelled */
-        const MR_REAL led = MR_ABS(state->q[model->moves[model->leader[k]]]);
-        const MR_REAL q = fabs(model->multiplier[k]) * led + fabs(model->offset[k]);
+        const MR_REAL leader = MR_ABS(state->q[model->moves[model->leader[k]]]);
+        const MR_REAL q = fabs(model->multiplier[k]) * leader + fabs(model->offset[k]);
         if (model->joint_type[model->moves[model->n + k]] == MR_REVOLUTE)
-            size.followed += 3.0 * q;
+            size.mimic_angle += 3.0 * q;
         else
-            size.out += q;
-        followers += fabs(model->multiplier[k]);
+            size.prismatic_reach += q;
+        multipliers += fabs(model->multiplier[k]);
     }
     a += fabs(g[0]) + fabs(g[1]) + fabs(g[2]);
-    size.k = dw + 2.0 * ((w + turned) * wa);
-    size.a = a + dv + v * wa + va * w;
-    size.under = (MR_UNDER * followers) * (1.0 + w + wa + turned + v + va + size.a + size.k);
+    size.rotation = dw + 2.0 * ((w + turning) * wa);
+    size.acceleration = a + dv + v * wa + va * w;
+    size.underflow = (MR_UNDERFLOW * multipliers) *
+                     (1.0 + w + wa + turning + v + va + size.acceleration + size.rotation);
     return size;
 }
 
 void mr_rounding_slack(const mr_model *model, const mr_slack_factors *factors,
                        const mr_slack_constants *constants, const mr_parameters *parameters,
                        const mr_state *state, const mr_motion_size *size, MR_REAL *slack) {
-    const MR_REAL way = (1.0 + factors->reach) + size->out, infinite = MR_SPLAT((double)INFINITY);
-    const MR_REAL largest = way * (size->a + size->k * way); /* of products to come */
-    const MR_REAL grown = 1.0 + MR_FOLLOWED * size->followed;
-    const MR_REAL under = (size->under * way * way) * (1.0 + factors->heavy);
-    const MR_MASK safe = (largest <= MR_HUGE) & (grown <= 0x1p20);
+    const MR_REAL distance = (1.0 + factors->reach) + size->prismatic_reach,
+                  infinite = MR_SPLAT((double)INFINITY);
+    const MR_REAL largest =
+        distance * (size->acceleration + size->rotation * distance); /* of products to come */
+    const MR_REAL growth = 1.0 + MR_MIMIC_ANGLE * size->mimic_angle;
+    const MR_REAL underflow = (size->underflow * distance * distance) * (1.0 + factors->mass_max);
+    const MR_MASK safe = (largest <= MR_HUGE) & (growth <= 0x1p20);
     const double drive_rate = MR_U * (MR_DRIVE + (model->j - model->n)); /* their sums too */
     for (int32_t i = 0; i < model->j; ++i) {
         const mr_slack_constants *c = &constants[i];
-        MR_REAL sum = size->a * c->a + size->k * c->k;
+        MR_REAL sum = size->acceleration * c->acceleration + size->rotation * c->rotation;
         if (mr_of_model(model)->prismatic != 0.0)
-            sum += size->out * (size->a * c->a_out + size->k * (c->k_out + c->a_out * size->out));
+            sum += size->prismatic_reach *
+                   (size->acceleration * c->acceleration_prismatic +
+                    size->rotation * (c->rotation_prismatic +
+                                      c->acceleration_prismatic * size->prismatic_reach));
         if (parameters) {
             const double gear = model->gear_ratio[i] * model->gear_ratio[i];
             const double viscous = fabs(parameters->viscous[i]);
@@ -115,9 +121,9 @@ void mr_rounding_slack(const mr_model *model, const mr_slack_factors *factors,
             const MR_REAL ddq_a = mr_acceleration_size(state, i);
             sum += drive_rate *
                    (viscous * dq + fabs(parameters->coulomb[i]) + (gear * rotor) * ddq_a);
-            sum += MR_UNDER * ((1.0 + rotor) * (1.0 + gear) + viscous) * (1.0 + ddq_a);
+            sum += MR_UNDERFLOW * ((1.0 + rotor) * (1.0 + gear) + viscous) * (1.0 + ddq_a);
         }
-        sum = sum * grown + under;
+        sum = sum * growth + underflow;
         slack[i] = MR_SELECT(safe, sum, infinite);
     }
     const int32_t n = model->n, *moves = model->moves;

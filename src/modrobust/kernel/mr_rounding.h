@@ -16,7 +16,7 @@
 #define MR_NO_DEFECT 4.0
 #define MR_DEFECTS 8.0
 
-/* Errors grow with the depth of the tree: per joint on the way, and once. */
+/* Errors grow with the depth of the tree: per joint on the path, and once. */
 #define MR_MOTION_JOINT 39.0 /* acceleration and moment of a body, before mass */
 #define MR_MOTION_ONCE 50.0
 #define MR_NOMINAL_JOINT 66.0 /* torque of NE*; each body and joint adds its summation */
@@ -26,10 +26,10 @@
 
 /* Boxes of `ianea`, beside the errors of rotations, levers and the motion. */
 #define MR_BOX_BODY 12.0
-#define MR_BOX_TURN 8.0
+#define MR_BOX_ROTATION 8.0
 #define MR_BOX_MOMENT 4.0
 #define MR_BOX_AXIS 4.0
-/* Radii, relative to themselves: per joint on the way, once, and per body and joint. */
+/* Radii, relative to themselves: per joint on the path, once, and per body and joint. */
 #define MR_RADIUS_JOINT 16.0
 #define MR_RADIUS_ONCE 96.0
 #define MR_RADIUS_SUM 4.0
@@ -38,13 +38,13 @@
 #define MR_SECOND_ORDER (1.0 + 0x1p-19)
 #define MR_RATE_MAX 0x1p-21
 
-#define MR_DRIVE 32.0 /* torque of a drive, and its part in the sums but those over followers */
+#define MR_DRIVE 32.0 /* torque of a drive, and its part in the sums but those over mimic joints */
 
-/* What a follower's angle can add to the whole: 3 turns to a rate of 156, or 7 to one of 683. */
-#define MR_FOLLOWED 0x1p-4
+/* What a mimic joint's angle can add to the whole: 3 turns to a rate of 156, or 7 to one of 683. */
+#define MR_MIMIC_ANGLE 0x1p-4
 
 /* More than all that underflow takes away, 2^-1075 at a time, before the factors that follow. */
-#define MR_UNDER 0x1p-1000
+#define MR_UNDERFLOW 0x1p-1000
 
 /* Beyond this a product could overflow unseen. */
 #define MR_HUGE 0x1p900

@@ -6,7 +6,7 @@ void mr_torque_box(const mr_model *model, const mr_bounds *bounds, mr_method met
     mr_newton_euler(model, mr_nominal_point(bounds), state, ws, ws->mid);
     const mr_motion_size size = mr_size_of_motion(model, state, ws);
     if (drives) mr_add_drives(model, &bounds->nominal, state, ws->mid);
-    mr_lead(model, ws->mid);
+    mr_fold_mimic_torque(model, ws->mid);
     if (method == MR_IANEA) {
         mr_ianea(model, bounds, &size, ws);
         if (drives) mr_add_drives_box(model, bounds, state, ws->lo, ws->hi);
@@ -16,7 +16,7 @@ void mr_torque_box(const mr_model *model, const mr_bounds *bounds, mr_method met
         mr_rounding_slack(model, mr_factors(bounds), mr_hull_slack_constants(model, bounds),
                           drives ? &bounds->upper : NULL, state, &size, ws->slack);
     }
-    mr_lead_box(model, ws->lo, ws->hi);
+    mr_fold_mimic_box(model, ws->lo, ws->hi);
 }
 
 void mr_total_bounds(const mr_model *model, mr_method method, const mr_workspace *ws) {

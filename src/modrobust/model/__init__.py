@@ -4,14 +4,14 @@ Rigid transforms and D-H tables are here too; files become a `Robot` in `modrobu
 """
 
 from modrobust.model.parameters import Bounded, Parameters
-from modrobust.model.parts import ControllerSettings, Followers, ModuleNode, TrajectorySettings
+from modrobust.model.parts import ControllerSettings, MimicJoints, ModuleNode, TrajectorySettings
 from modrobust.model.robot import Robot, check_robot
 from modrobust.model.synthetic import synthetic_chain
 
 __all__ = [
     "Bounded",
     "ControllerSettings",
-    "Followers",
+    "MimicJoints",
     "ModuleNode",
     "Parameters",
     "Robot",

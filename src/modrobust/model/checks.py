@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust.errors import ShapeError, ValueRangeError
-from modrobust.model.parts import Followers
+from modrobust.model.parts import MimicJoints
 from modrobust.model.physical import ABOUT_COM, ABOUT_FRAME
 
 Array = NDArray[np.float64]
@@ -27,7 +27,7 @@ def check_lengths(arrays: Mapping[str, tuple[Array | Ints, tuple[int, ...]]], ow
 
 
 def check_tree(
-    joint_types: Sequence[str], parents: Ints, body_joints: Ints, followers: Followers, n: int
+    joint_types: Sequence[str], parents: Ints, body_joints: Ints, mimic: MimicJoints, n: int
 ) -> None:
     """Refuses unknown joint types and indices that lead nowhere; parents come before children."""
     j = len(joint_types)
@@ -39,14 +39,14 @@ def check_tree(
     for name, index, first, last, rule in (
         ("parents", parents, -1, np.arange(j) - 1, "a joint before its child, or -1, the base"),
         ("body_joints", body_joints, -1, j - 1, "a joint, or -1, the base"),
-        ("followers.leaders", followers.leaders, 0, n - 1, "a joint that moves freely"),
-        ("followers.joints", followers.joints, 0, j - 1, "a joint"),
+        ("mimic.leaders", mimic.leaders, 0, n - 1, "a joint that moves freely"),
+        ("mimic.joints", mimic.joints, 0, j - 1, "a joint"),
     ):
         for k in np.flatnonzero((index < first) | (index > last))[:1]:
             raise ValueRangeError(f"{name}[{k}] is {index[k]}; it must be {rule}")
-    for k in np.flatnonzero(np.diff(followers.joints) <= 0)[:1]:
+    for k in np.flatnonzero(np.diff(mimic.joints) <= 0)[:1]:
         raise ValueRangeError(
-            f"followers.joints[{k + 1}] is {followers.joints[k + 1]} after {followers.joints[k]}; "
+            f"mimic.joints[{k + 1}] is {mimic.joints[k + 1]} after {mimic.joints[k]}; "
             "the indices ascend, each joint once"
         )
 

@@ -68,11 +68,11 @@ class Transform:
     def __matmul__(self, other: Transform) -> Transform:
         """T_ac = T_ab @ T_bc."""
         with localcontext(_DIGITS):
-            *turned, (px, py, pz) = zip(*other.rows, strict=True)
+            *rotated, (px, py, pz) = zip(*other.rows, strict=True)
             small = _LEFT_OF_ZERO * max(abs(row[3]) for row in (*self.rows, *other.rows))
             rows = []
             for a, b, c, d in self.rows:
-                entries = (a * x + b * y + c * z for x, y, z in turned)
+                entries = (a * x + b * y + c * z for x, y, z in rotated)
                 xx, xy, xz = (v if abs(v) > _LEFT_OF_ZERO else _ZERO for v in entries)
                 p = a * px + b * py + c * pz + d
                 rows.append((xx, xy, xz, p if abs(p) > small else _ZERO))
@@ -80,8 +80,8 @@ class Transform:
 
     def inverse(self) -> Transform:
         """[R p; 0 1] becomes [R' -R'p; 0 1]."""
-        *turned, moved = zip(*self.rows, strict=True)
-        back = from_rows([(*column, _ZERO) for column in turned])
+        *rotated, moved = zip(*self.rows, strict=True)
+        back = from_rows([(*column, _ZERO) for column in rotated])
         with localcontext(_DIGITS):
             x, y, z = (-entry for entry in moved)
         return back @ translation((x, y, z))

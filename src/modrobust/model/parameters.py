@@ -69,7 +69,7 @@ class Parameters:
     mass (b,) [kg]; com (b, 3) [m] in body axes; inertia (b, 3, 3) [kg m^2] in body axes, tensor
     entries, about the COM, or about the body frame's origin where the robot's `inertia_about` says
     "frame"; rotor_inertia (n,) [kg m^2] motor side; viscous (n,) [N m s/rad] or [N s/m]; coulomb
-    (n,) [N m] or [N], joint side; with joints that follow others, one entry for each of them too.
+    (n,) [N m] or [N], joint side; with mimic joints, one entry for each of them too.
     The arrays are copied and read-only.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Small frozen parts of a `Robot`: settings of controller and motion, followers, module tree."""
+"""Small frozen parts of a `Robot`: settings of controller and motion, mimic joints, module tree."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class ModuleNode:
 
 
 @dataclass(frozen=True, eq=False)
-class Followers:
+class MimicJoints:
     """Joints that follow a free one: q = multiplier * q_leader + offset.
 
     Equation (15) of docs/theory/equations.md. They have their place in every array of joint data:

@@ -31,14 +31,14 @@ from modrobust.model.checks import (
 from modrobust.model.definite import is_definite, pulled_to_definite, seeded_poses
 from modrobust.model.dh import DHTable, dh_table
 from modrobust.model.parameters import Bounded, Parameters, freeze, remade
-from modrobust.model.parts import ControllerSettings, Followers, ModuleNode, TrajectorySettings
+from modrobust.model.parts import ControllerSettings, MimicJoints, ModuleNode, TrajectorySettings
 from modrobust.model.physical import ABOUT_COM, ABOUT_FRAME, excess, inertia_about_com
 from modrobust.model.sampling import corner_point, physical_pull, sample_point
 
 __all__ = [
     "Bounded",
     "ControllerSettings",
-    "Followers",
+    "MimicJoints",
     "ModuleNode",
     "Parameters",
     "Robot",
@@ -86,7 +86,7 @@ class Robot:
     initial_q: Array | None = None  # (n,), None = start on the trajectory
     initial_dq: Array | None = None
     modules: tuple[ModuleNode, ...] = ()
-    followers: Followers = field(default_factory=Followers)
+    mimic: MimicJoints = field(default_factory=MimicJoints)
     version: int = 1
     # (n,) [rad/s^2] or [m/s^2], infinite where not given
     acceleration_limits: Array = field(default_factory=lambda: np.zeros(0))
@@ -104,9 +104,9 @@ class Robot:
             object.__setattr__(self, "acceleration_limits", np.full(self.n, np.inf))
         if not self.inertia_about:
             object.__setattr__(self, "inertia_about", (ABOUT_COM,) * self.b)
-        if not self.followers.joints.size:
+        if not self.mimic.joints.size:
             behind = np.arange(self.n, self.j, dtype=np.int32)
-            object.__setattr__(self, "followers", replace(self.followers, joints=behind))
+            object.__setattr__(self, "mimic", replace(self.mimic, joints=behind))
         freeze(self)
         for name in ("scenarios", "scenario_notes"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
@@ -114,7 +114,7 @@ class Robot:
 
     def _check(self) -> None:
         n, j, b = self.n, self.j, self.b
-        f, d = self.followers, self.disturbance
+        f, d = self.mimic, self.disturbance
         owner = f'robot "{self.name}" has {n} free joints, {j} joints and {b} bodies'
         check_lengths(
             {
@@ -131,10 +131,10 @@ class Robot:
                 "coulomb_speed": (self.coulomb_speed, (j,)),
                 "body_joints": (self.body_joints, (b,)),
                 "placement": (self.placement, (b, 4, 4)),
-                "followers.joints": (f.joints, (j - n,)),
-                "followers.leaders": (f.leaders, (j - n,)),
-                "followers.multiplier": (f.multiplier, (j - n,)),
-                "followers.offset": (f.offset, (j - n,)),
+                "mimic.joints": (f.joints, (j - n,)),
+                "mimic.leaders": (f.leaders, (j - n,)),
+                "mimic.multiplier": (f.multiplier, (j - n,)),
+                "mimic.offset": (f.offset, (j - n,)),
                 "nominal.mass": (self.nominal.mass, (b,)),
                 "nominal.viscous": (self.nominal.viscous, (j,)),
                 "disturbance": (d.nominal, (n,)),
@@ -158,7 +158,7 @@ class Robot:
 
     @property
     def j(self) -> int:
-        """Number of joints, those that follow another included."""
+        """Number of joints, mimic joints included."""
         return len(self.joint_types)
 
     @property
@@ -183,14 +183,14 @@ class Robot:
     @property
     def all_joint_names(self) -> tuple[str, ...]:
         """Names of the j joints, in the order of the arrays of joint data."""
-        names = dict(zip(self.moves.tolist(), self.joint_names + self.followers.names, strict=True))
+        names = dict(zip(self.moves.tolist(), self.joint_names + self.mimic.names, strict=True))
         return tuple(names[i] for i in range(self.j))
 
     @cached_property
     def moves(self) -> NDArray[np.int32]:
-        """Index of the joint that entry i of a vector (n,) moves; then of those that follow."""
-        free = np.setdiff1d(np.arange(self.j, dtype=np.int32), self.followers.joints)
-        return np.concatenate([free, self.followers.joints])
+        """Index of the joint that entry i of a vector (n,) moves; then of mimic joints."""
+        free = np.setdiff1d(np.arange(self.j, dtype=np.int32), self.mimic.joints)
+        return np.concatenate([free, self.mimic.joints])
 
     @property
     def free(self) -> NDArray[np.int32]:
@@ -216,11 +216,11 @@ class Robot:
     def wraps(self) -> NDArray[np.bool_]:
         """Whether the error (4) of each free joint (n,) is taken less whole turns.
 
-        So it is of a continuous joint, unless a joint follows it that slides or turns by another
+        So it is of a continuous joint, unless a mimic joint of it is prismatic or turns by another
         amount than whole turns when this one makes one: then a turn leads to another pose.
         """
         wraps = np.array([kind == "continuous" for kind in self.free_types], dtype=bool)
-        f = self.followers
+        f = self.mimic
         for k, leader in enumerate(f.leaders):
             whole = float(f.multiplier[k]).is_integer()
             wraps[leader] &= bool(self.turns[f.joints[k]]) and whole
@@ -248,7 +248,7 @@ class Robot:
     @own_environment()
     def all_positions(self, q: Array) -> Array:
         """Positions of the j joints (..., j) for those of the free ones (..., n), (15)."""
-        f = self.followers
+        f = self.mimic
         everything = np.empty((*np.shape(q)[:-1], self.j))
         everything[..., self.free] = q
         everything[..., f.joints] = f.multiplier * q[..., f.leaders] + f.offset
@@ -259,7 +259,7 @@ class Robot:
     def model(self) -> _kernel.Model:
         """The kernel's view of the geometry, made once.
 
-        The kernel works in the base frame, so gravity is turned there: base' g, summed in order,
+        The kernel works in the base frame, so gravity is rotated there: base' g, summed in order,
         so that it has the same bits on every machine.
         """
         x, y, z = (row * g for row, g in zip(self.base[:3, :3], self.gravity, strict=True))
@@ -275,9 +275,9 @@ class Robot:
             self.gear_ratio,
             self.coulomb_speed,
             self.moves,
-            self.followers.leaders,
-            self.followers.multiplier,
-            self.followers.offset,
+            self.mimic.leaders,
+            self.mimic.multiplier,
+            self.mimic.offset,
             self.wraps.astype(np.int32),
         )
 
@@ -329,7 +329,7 @@ class Robot:
 
     @own_environment()
     def corner_parameters(self, rng: np.random.Generator | int) -> Parameters:
-        """A vertex of the box, each entry lower or upper by a coin; perhaps not a physical one.
+        """A vertex: each entry lower or upper with equal probability; may be unphysical.
 
         Args:
             rng: A numpy Generator, or an int that seeds one.
@@ -406,10 +406,10 @@ class Robot:
         }
 
     def _joint_dict(self, i: int) -> dict[str, Any]:
-        entry = int(np.flatnonzero(self.moves == i)[0])  # of the free ones, then the followers
+        entry = int(np.flatnonzero(self.moves == i)[0])  # of the free ones, then the mimic joints
         free = entry < self.n
         position = self.position_limits[entry] if free else np.full(2, np.inf)
-        follower = {} if free else {"mimic": self._mimic_dict(entry - self.n)}
+        mimic_joint = {} if free else {"mimic": self._mimic_dict(entry - self.n)}
         return {
             "name": self.all_joint_names[i],
             "type": self.joint_types[i],
@@ -422,7 +422,7 @@ class Robot:
                 "effort": _finite(self.effort_limits[entry]) if free else None,
                 "acceleration": _finite(self.acceleration_limits[entry]) if free else None,
             },
-            **follower,
+            **mimic_joint,
             "drive": {
                 "gear_ratio": float(self.gear_ratio[i]),
                 "rotor_inertia": self._bounded("rotor_inertia", i),
@@ -436,9 +436,9 @@ class Robot:
 
     def _mimic_dict(self, k: int) -> dict[str, Any]:
         return {
-            "joint": int(self.free[self.followers.leaders[k]]),
-            "multiplier": float(self.followers.multiplier[k]),
-            "offset": float(self.followers.offset[k]),
+            "joint": int(self.free[self.mimic.leaders[k]]),
+            "multiplier": float(self.mimic.multiplier[k]),
+            "offset": float(self.mimic.offset[k]),
         }
 
     def _bounded(self, name: str, index: int) -> dict[str, Any]:

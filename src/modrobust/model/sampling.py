@@ -62,7 +62,7 @@ def sample_point(
 
 
 def corner_point(lower: Parameters, upper: Parameters, rng: np.random.Generator) -> Parameters:
-    """A vertex of the box: each entry lower or upper by a coin; products appear twice, equal."""
+    """A vertex: each entry lower or upper with equal probability; products stay equal."""
     drawn = {name: _coin(getattr(lower, name), getattr(upper, name), rng) for name in _SCALARS}
     inertia = _symmetric(_coin(_six(lower.inertia), _six(upper.inertia), rng))
     return replace(lower, inertia=inertia, **drawn)

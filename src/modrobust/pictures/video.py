@@ -1,6 +1,6 @@
 """A simulated run as a video in real time, rendered offscreen.
 
-The robot moves, with the way of its tips: where they were, and where they were to be. Any run can
+The robot moves, with the path of its tips: where they were, and where they were to be. Any run can
 be shown, whatever plant it came from.
 """
 
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 
 RATES = {".mp4": 30.0, ".gif": 20.0}  # [pictures/s]; a GIF counts in hundredths of a second
-_TRAIL = 1.5  # [s], how long a tip's way stays visible
+_TRAIL = 1.5  # [s], how long a tip's path stays visible
 _TRAIL_POINTS = 30
 
 

@@ -71,7 +71,7 @@ class Divergence:
         return (
             f'joint "{self.joint}": the gain kappa ‖rho‖ + phi of {self.gain:.3g} {gain}, held for '
             f"{self.hold * 1e3:.3g} ms, is {self.share:.3g} times its inertia of "
-            f"{self.inertia:.3g} {inertia} (least eigenvalue of M); a held gain is stable below "
+            f"{self.inertia:.3g} {inertia} (smallest eigenvalue of M); a held gain is stable below "
             f"{_HELD:g} times"
         )
 
@@ -167,7 +167,7 @@ def _rows(count: int) -> list[int]:
 
 
 def _least_inertia(robot: Robot, parameters: Parameters, q: Array) -> tuple[int, float] | None:
-    """Joint and value of the least eigenvalue of M(q); None where M cannot be computed."""
+    """Joint and value of the smallest eigenvalue of M(q); None where M cannot be computed."""
     try:
         M = _kernel.mass_matrix(robot.model, parameters.packed, q, True)
     except _kernel.KernelError:

@@ -116,7 +116,7 @@ class EngineLoop:
         dq_a = dqd + self._K_r * error
         ddq_a = ddqd + self._K_r * (dqd - dq)
         reference = (q, dq, dq_a, ddq_a)
-        widths = {name: self._width(method, reference) for name, method in _WIDTHS.items() if keep}
+        widths = {name: self._width(bound, reference) for name, bound in _WIDTHS.items() if keep}
         true, rounding = _kernel.inverse_dynamics_rounding(
             self._model, self._true, *reference, True
         )
@@ -135,9 +135,9 @@ class EngineLoop:
         self._plant.advance(tau)
         return logged
 
-    def _width(self, method: int, reference: tuple[Array, Array, Array, Array]) -> Array:
+    def _width(self, bound: int, reference: tuple[Array, Array, Array, Array]) -> Array:
         q, dq, dq_a, ddq_a = reference
-        lo, hi = _kernel.perturbation_bounds(self._model, *self._box, q, dq, dq_a, ddq_a, method)
+        lo, hi = _kernel.perturbation_bounds(self._model, *self._box, q, dq, dq_a, ddq_a, bound)
         return np.asarray(hi - lo)
 
     def _measure(self, t: float, error: Array, tau: Array) -> None:

@@ -45,7 +45,7 @@ class MujocoPlant:
     Friction and integration are ours, as with Pinocchio: MuJoCo takes a force that follows the
     velocity within a step only by a callback, which would act on every model of the process. So
     none of its functions is used that calls one, that of a user included, or that warns, which
-    writes a file. Where joints follow others, both are projected on the free ones; MuJoCo's own
+    writes a file. With mimic joints, both are projected on the free ones; MuJoCo's own
     constraint is soft.
 
     Args:
@@ -73,14 +73,14 @@ class MujocoPlant:
         self._mujoco: Any = engine("mujoco", "mujoco", 'plant "mujoco"')
         text = mjcf_text(robot, parameters, timestep=dt / substeps, visual=False).text
         self._model = self._mujoco.MjModel.from_xml_string(text)
-        # Neither soft followers nor dry friction: both are made here.
+        # Neither soft mimic joints nor dry friction: both are made here.
         self._model.opt.disableflags |= int(self._mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
         self._data = self._mujoco.MjData(self._model)
         joints = [self._model.joint(name) for name in robot.all_joint_names]
         self._dofs = np.array([joint.dofadr[0] for joint in joints], dtype=np.intp)
         self._places = np.array([joint.qposadr[0] for joint in joints], dtype=np.intp)
         self._friction = _Friction(robot, parameters)
-        self._led = _Led(robot) if robot.j > robot.n else None
+        self._mimic = MimicProjection(robot) if robot.j > robot.n else None
         self._disturbance, self._h, self._substeps = disturbance, dt / substeps, substeps
         self._bias, self._torque = np.empty(self._model.nv), np.empty((1, self._model.nv))
         self._answer = np.empty((1, self._model.nv))
@@ -93,9 +93,9 @@ class MujocoPlant:
             self.q, self.dq = runge_kutta(self._acceleration, self.q, self.dq, drive, self._h)
 
     def _acceleration(self, q: Array, dq: Array, drive: Array) -> Array:
-        mujoco, model, data, led = self._mujoco, self._model, self._data, self._led
-        everything = q if led is None else led.positions(q)
-        rates = dq if led is None else led.G @ dq
+        mujoco, model, data, mimic = self._mujoco, self._model, self._data, self._mimic
+        everything = q if mimic is None else mimic.positions(q)
+        rates = dq if mimic is None else mimic.G @ dq
         if not (np.abs(everything) < _OUT_OF_RANGE).all():
             return np.full(len(q), np.nan)
         data.qpos[self._places] = everything
@@ -104,20 +104,20 @@ class MujocoPlant:
         mujoco.mj_comVel(model, data)
         mujoco.mj_rne(model, data, 0, self._bias)
         bias = self._bias[self._dofs] + self._friction(rates)
-        if led is None:
+        if mimic is None:
             self._torque[0, self._dofs] = drive - bias
             mujoco.mj_solveM(model, data, self._answer, self._torque)
             return np.asarray(self._answer[0, self._dofs])
         M = np.empty((model.nv, model.nv))
         mujoco.mj_fullM(model, data, M)
-        return led.acceleration(M[np.ix_(self._dofs, self._dofs)], bias, drive)
+        return mimic.acceleration(M[np.ix_(self._dofs, self._dofs)], bias, drive)
 
 
 class PinocchioPlant:
     """The robot in Pinocchio: our URDF, its articulated-body algorithm, classical Runge-Kutta.
 
     Arguments as those of `MujocoPlant`. Armature, gravity and friction, which URDF does not hold or
-    Pinocchio does not use, are given beside it. Where joints follow others, its mass matrix and
+    Pinocchio does not use, are given beside it. With mimic joints, its mass matrix and
     nonlinear effects are projected on the free ones.
 
     Raises:
@@ -151,7 +151,7 @@ class PinocchioPlant:
         self._model.armature = armature
         self._data = self._model.createData()
         self._friction = _Friction(robot, parameters)
-        self._led = _Led(robot) if robot.j > robot.n else None
+        self._mimic = MimicProjection(robot) if robot.j > robot.n else None
         self._disturbance, self._h, self._substeps = disturbance, dt / substeps, substeps
         self._velocity, self._torque = np.empty(robot.j), np.empty(robot.j)
         self.q, self.dq = np.array(q0), np.array(dq0)
@@ -163,9 +163,9 @@ class PinocchioPlant:
             self.q, self.dq = runge_kutta(self._acceleration, self.q, self.dq, drive, self._h)
 
     def _acceleration(self, q: Array, dq: Array, drive: Array) -> Array:
-        pin, model, data, led = self._pin, self._model, self._data, self._led
-        everything = q if led is None else led.positions(q)
-        rates = dq if led is None else led.G @ dq
+        pin, model, data, mimic = self._pin, self._model, self._data, self._mimic
+        everything = q if mimic is None else mimic.positions(q)
+        rates = dq if mimic is None else mimic.G @ dq
         self._configuration[self._plain_at] = everything[self._plain]
         if len(self._circle):
             angle = everything[self._circle]
@@ -173,7 +173,7 @@ class PinocchioPlant:
             self._configuration[self._circle_at + 1] = np.sin(angle)
         friction = self._friction(rates)
         self._velocity[self._order] = rates
-        if led is None:
+        if mimic is None:
             self._torque[self._order] = drive - friction
             a = pin.aba(model, data, self._configuration, self._velocity, self._torque)
             free: Array = a[self._order]
@@ -181,7 +181,7 @@ class PinocchioPlant:
         upper = np.triu(pin.crba(model, data, self._configuration))
         M = upper + np.triu(upper, 1).T
         bias = pin.nonLinearEffects(model, data, self._configuration, self._velocity)[self._order]
-        return led.acceleration(M[np.ix_(self._order, self._order)], bias + friction, drive)
+        return mimic.acceleration(M[np.ix_(self._order, self._order)], bias + friction, drive)
 
 
 class _Friction:
@@ -196,11 +196,11 @@ class _Friction:
         return np.asarray(self._viscous * dq + self._coulomb * smooth)
 
 
-class _Led:
-    """The j joints of a robot led by its n free ones, q_all = G q + offset, (15)."""
+class MimicProjection:
+    """The j joints of a robot from its n free ones, q_all = G q + offset, (15)."""
 
     def __init__(self, robot: Robot) -> None:
-        f = robot.followers
+        f = robot.mimic
         self.positions = robot.all_positions
         self.G = np.zeros((robot.j, robot.n))
         self.G[robot.free, np.arange(robot.n)] = 1.0

@@ -1,4 +1,4 @@
-"""What a run did that its verdict does not judge: torques that shake, motion beyond limits."""
+"""What a run did that its verdict does not judge: torques that chatter, motion beyond limits."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def remarks(
         t, q, dq: Logged instants (m,) [s], positions and velocities (m, n).
         noisy: See `modrobust.simulation.metrics.chattering`.
     """
-    said = [*_shaking(robot, noisy)]
+    said = [*_chattering(robot, noisy)]
     lo, hi = robot.position_limits.T
     said += _overruns(robot, t, q, lo, hi, "position")
     limit = robot.velocity_limits
@@ -41,7 +41,7 @@ def remarks(
     return said
 
 
-def _shaking(robot: Robot, noisy: Array | None) -> Iterator[str]:
+def _chattering(robot: Robot, noisy: Array | None) -> Iterator[str]:
     if noisy is None or not len(noisy):
         return
     worst = int(np.argmax(np.nan_to_num(noisy, nan=np.inf)))
@@ -49,7 +49,7 @@ def _shaking(robot: Robot, noisy: Array | None) -> Iterator[str]:
         return
     times = f"{noisy[worst]:.3g} times" if np.isfinite(noisy[worst]) else "beyond all measure of"
     yield (
-        f'the torque shakes, joint "{robot.joint_names[worst]}" most, {times} the variation of '
+        f'the torque chatters, joint "{robot.joint_names[worst]}" most, {times} the variation of '
         f"the same signal at 10 Hz (limit {CHATTERING_LIMIT:g}); raise phi_P, lower kappa_P"
     )
 

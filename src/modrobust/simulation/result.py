@@ -92,7 +92,7 @@ class SimulationResult:
     w: Array
     """Perturbation that the true parameters make, (6)."""
     phi_lo: Array
-    """Lower bound of w with the run's own method, (12)."""
+    """Lower bound of w by the run's own ``bound``, (12)."""
     phi_hi: Array
     rho: Array
     width_hull: Array
@@ -200,13 +200,13 @@ class SimulationResult:
     @cached_property
     @own_environment()
     def chattering(self) -> Array | None:
-        """How much each torque shakes, (n,); see `modrobust.simulation.metrics.chattering`."""
+        """How much each torque chatters, (n,); see `modrobust.simulation.metrics.chattering`."""
         return chattering(self.t, self.tau, self.total_variation)
 
     @property
     @own_environment()
     def remarks(self) -> list[str]:
-        """What the verdict does not judge, one sentence each: of the motion, torques that shake,
+        """What the verdict does not judge, one sentence each: of the motion, torques that chatter,
         and positions and velocities beyond their limits, which the controller does not know. Of
         the logged ticks. None of a run that diverged: what it did then follows from that.
         """
@@ -218,7 +218,7 @@ class SimulationResult:
 
     @property
     def ok(self) -> bool:
-        """No violation, no divergence, epsilon entered for good, torques within their limits.
+        """No violation, no divergence, epsilon entered permanently, torques within their limits.
 
         Of a run that was `cut_short` epsilon is not judged.
         """

@@ -237,7 +237,7 @@ def simulate(
         "dq0": dq_start.tolist(),
         "disturbance": truth.disturbance.tolist(),
         "parameters_inside_bounds": truth.inside,
-        "pulled_to_physical": list(truth.pulled),
+        "scaled_to_physical": list(truth.pulled),
     }
     return SimulationResult(
         robot=robot,

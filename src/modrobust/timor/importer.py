@@ -1,7 +1,7 @@
 r"""Import of the module database of Timor (``modules.json``) as module files of this project.
 
 A Timor module is a set of bodies with connectors, and joints between bodies. Connector frames point
-away from their body and mate face to face, turned by Rx(pi); ours point to the tip throughout, so
+away from their body and meet face to face, rotated by Rx(pi); ours point to the tip throughout, so
 that with P the pose of a connector in its body
 
 .. math:: in = P\, R_x(\pi), \qquad out = P .

@@ -1,4 +1,4 @@
-"""Chains of modules: names, mating, compound modules, and what is refused."""
+"""Chains of modules: names, connectors, compound modules, and what is refused."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modrobust.assembly import load_robot
-from modrobust.assembly.modules.catalogue import builtin_robots, catalogue, mates
+from modrobust.assembly.modules.catalogue import builtin_robots, catalogue, mounts
 from modrobust.errors import DescriptionError, FileError
 from modrobust.formats.reader import read_description
 from support.small_modules import message
@@ -158,7 +158,7 @@ def plug(name, into, out="{type: t}"):
     )
 
 
-RULE = "connectors mate with the same type, the same size, and genders m and f or n and n"
+RULE = "compatible connectors have the same type, the same size, and genders m and f or n and n"
 SEE = 'see "modrobust modules" for what fits'
 
 
@@ -173,13 +173,13 @@ SEE = 'see "modrobust modules" for what fits'
 def test_modules_that_do_not_mate_are_refused_with_both_connectors(load, into, found, why):
     chain = "chain:\n  - hinge\n  - plug\n"
     assert message(load, chain, {"plug": plug("plug", into)}) == (
-        f'arm.yaml:6: chain[1]: "plug" (in: {found}) does not mate with "hinge" (out: t, gender n)'
+        f'arm.yaml:6: chain[1]: "plug" (in: {found}) does not mount on "hinge" (out: t, gender n)'
         f": {why}; {RULE}; {SEE}"
     )
 
 
 @pytest.mark.parametrize(("out", "into"), [("m", "f"), ("f", "m"), ("n", "n")])
-def test_opposite_genders_and_genderless_ones_mate(load, out, into):
+def test_opposite_genders_and_genderless_ones_mount(load, out, into):
     modules = {
         "one": plug("one", "{type: t}", f"{{type: v, size: 60, gender: {out}}}"),
         "two": plug("two", f"{{type: v, size: 60, gender: {into}}}"),
@@ -223,12 +223,12 @@ def test_a_module_beside_the_robot_comes_before_a_built_in_one_of_its_name(load)
     assert robot.body_names[-1] == "schunk-gripper.sheet"
 
 
-def test_the_catalogue_of_a_directory_is_sorted_and_says_what_mates(load):
+def test_the_catalogue_of_a_directory_is_sorted_and_says_what_mounts(load):
     load("chain: [hinge]\n", {"plug": plug("plug", "{type: t}", "{type: v, gender: m}")})
     found = catalogue(["modules"])
     assert [module.id for module in found] == ["hinge", "oblique", "plug", "slide", "tool"]
     everything = ("hinge", "oblique", "plug", "slide", "tool")
-    assert mates(found) == {
+    assert mounts(found) == {
         "hinge": everything,
         "oblique": everything,
         "plug": (),

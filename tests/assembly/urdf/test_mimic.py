@@ -1,4 +1,4 @@
-"""Joints that follow another, docs/theory/equations.md (15)."""
+"""Mimic joints, docs/theory/equations.md (15)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 import modrobust as mr
 from modrobust import _kernel
-from modrobust.model import Bounded, Followers, Robot
+from modrobust.model import Bounded, MimicJoints, Robot
 from support.random_robots import random_robot, tied
 
 MULTIPLIER = np.array([-0.5, 2.0])
@@ -21,10 +21,10 @@ LEADERS = np.array([1, 0], np.int32)
 
 @pytest.fixture(
     params=[(0, (4, 5)), (1, (4, 5)), (2, (4, 5)), (3, (1, 3)), (4, (0, 2))],
-    ids=["tree 0", "tree 1", "tree 2", "carrying free ones", "the first one follows"],
+    ids=["tree 0", "tree 1", "tree 2", "carrying free ones", "the first one mimics"],
 )
 def pair(request: Any) -> tuple[Robot, Robot]:
-    """Six free joints in a tree or a chain, and the same robot with two joints following."""
+    """Six free joints in a tree or a chain, and the same robot with two mimic joints."""
     seed, joints = request.param
     rng = np.random.default_rng(seed)
     whole = random_robot(rng, 6, tree=joints == (4, 5))
@@ -38,19 +38,19 @@ def pair(request: Any) -> tuple[Robot, Robot]:
         effort_limits=whole.effort_limits[free],
         acceleration_limits=whole.acceleration_limits[free],
         disturbance=Bounded(d.nominal[free], d.lo[free], d.hi[free]),
-        followers=Followers(
+        mimic=MimicJoints(
             tuple(whole.joint_names[i] for i in joints), LEADERS, MULTIPLIER, OFFSET, joints
         ),
     )
     return whole, tied
 
 
-def led(robot: Robot) -> np.ndarray:
+def mimicking(robot: Robot) -> np.ndarray:
     """G (j, n): all velocities are G dq, (15)."""
     G = np.zeros((6, 4))
-    for k, i in enumerate(i for i in range(6) if i not in robot.followers.joints):
+    for k, i in enumerate(i for i in range(6) if i not in robot.mimic.joints):
         G[i, k] = 1.0
-    for i, leader, multiplier in zip(robot.followers.joints, LEADERS, MULTIPLIER, strict=True):
+    for i, leader, multiplier in zip(robot.mimic.joints, LEADERS, MULTIPLIER, strict=True):
         G[i, leader] = multiplier
     return G
 
@@ -61,23 +61,23 @@ def states(robot: Robot, seed: int = 1) -> list[tuple[list[np.ndarray], list[np.
     found = []
     for _ in range(20):
         free = [rng.normal(size=4) for _ in range(4)]
-        full = [led(robot) @ x for x in free]
-        full[0][robot.followers.joints] += OFFSET
+        full = [mimicking(robot) @ x for x in free]
+        full[0][robot.mimic.joints] += OFFSET
         found.append((free, full))
     return found
 
 
-def test_torques_are_those_of_the_whole_tree_led_by_the_free_joints(pair: Any) -> None:
+def test_torques_are_those_of_the_whole_tree_moved_by_the_free_joints(pair: Any) -> None:
     whole, tied = pair
     for free, full in states(tied):
-        expected = led(tied).T @ mr.inverse_dynamics(whole, *full)
+        expected = mimicking(tied).T @ mr.inverse_dynamics(whole, *full)
         scale = np.abs(expected).max()
         np.testing.assert_allclose(mr.inverse_dynamics(tied, *free), expected, atol=1e-12 * scale)
 
 
 def test_the_mass_matrix_is_projected(pair: Any) -> None:
     whole, tied = pair
-    G = led(tied)
+    G = mimicking(tied)
     for free, full in states(tied):
         expected = G.T @ mr.mass_matrix(whole, full[0]) @ G
         np.testing.assert_allclose(mr.mass_matrix(tied, free[0]), expected, rtol=1e-12, atol=1e-12)
@@ -90,12 +90,12 @@ def test_forward_dynamics_inverts_inverse_dynamics(pair: Any) -> None:
         np.testing.assert_allclose(mr.forward_dynamics(tied, q, dq, tau), ddq, atol=1e-8)
 
 
-@pytest.mark.parametrize("method", ["hull", "ianea"])
-def test_bounds_hold_every_sample_and_corner(pair: Any, method: str) -> None:
+@pytest.mark.parametrize("bound", ["hull", "ianea"])
+def test_bounds_hold_every_sample_and_corner(pair: Any, bound: str) -> None:
     _, tied = pair
     rng = np.random.default_rng(5)
     for free, _ in states(tied, 2):
-        lo, hi = mr.inverse_dynamics_bounds(tied, *free, method=method)
+        lo, hi = mr.inverse_dynamics_bounds(tied, *free, bound=bound)
         margin = 1e-12 * np.abs([lo, hi]).max()
         for _ in range(20):
             for point in (tied.sample_parameters(rng), tied.corner_parameters(rng)):
@@ -105,12 +105,12 @@ def test_bounds_hold_every_sample_and_corner(pair: Any, method: str) -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_the_slack_of_a_leader_holds_that_of_its_followers(seed: int) -> None:
-    """Without drives it is that of the whole chain, grown by what followers' angles are off."""
+def test_the_slack_of_a_leader_holds_that_of_its_mimic_joints(seed: int) -> None:
+    """Without drives it is that of the whole chain, grown by what mimic joints' angles are off."""
     rng = np.random.default_rng(seed)
     whole = random_robot(rng, types="rrrrrr")
     arm = tied(whole, 4, rng, anywhere=True)
-    f = arm.followers
+    f = arm.mimic
     G = np.zeros((6, 4))
     G[arm.free, range(4)] = 1.0
     G[f.joints, f.leaders] = f.multiplier
@@ -131,7 +131,7 @@ def test_the_slack_of_a_leader_holds_that_of_its_followers(seed: int) -> None:
     np.testing.assert_allclose(grown, grown[0], rtol=1e-9)
 
 
-def test_frames_of_followers_move_with_their_leaders(pair: Any) -> None:
+def test_frames_of_mimic_joints_move_with_their_leaders(pair: Any) -> None:
     whole, tied = pair
     for free, full in states(tied, 3):
         np.testing.assert_allclose(
@@ -144,7 +144,7 @@ def test_the_resolved_robot_names_leader_multiplier_and_offset(pair: Any) -> Non
     joints = tied.to_dict()["joints"]
     assert [joint["name"] for joint in joints] == [f"joint{i}" for i in range(6)]
     mimics = {i: joint["mimic"] for i, joint in enumerate(joints) if "mimic" in joint}
-    first, second = tied.followers.joints.tolist()
+    first, second = tied.mimic.joints.tolist()
     free = [i for i in range(6) if i not in (first, second)]
     assert mimics == {
         first: {"joint": free[1], "multiplier": -0.5, "offset": 0.3},
@@ -166,7 +166,7 @@ JOINT = (
     '<origin xyz="0.1 0 0.3" rpy="0.1 0.2 0"/><axis xyz="{4}"/>'
     '<limit lower="-2" upper="2" velocity="2" effort="50"/>{5}</joint>'
 )
-CHAIN = [  # name, type, parent, child, axis, mimic: the tool's joint stands on one that follows
+CHAIN = [  # name, type, parent, child, axis, mimic: the tool's joint stands on a mimic joint
     ("pan", "revolute", "base", "column", "0 0 1", ""),
     ("lift", "revolute", "column", "upper", "0 1 0", ""),
     ("elbow", "revolute", "upper", "fore", "0 1 0", ""),
@@ -186,7 +186,7 @@ def palletiser(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_free_joint_may_be_carried_by_one_that_follows(tmp_path: Path) -> None:
+def test_a_free_joint_may_be_carried_by_a_mimic_joint(tmp_path: Path) -> None:
     """Against Pinocchio, for which all joints are free: G' tau."""
     pin = pytest.importorskip("pinocchio")
     path = palletiser(tmp_path)

@@ -38,7 +38,7 @@ def spread(arm: mr.Robot) -> tuple[tuple[str, ...], Array]:
     """Names of all joints, and G (j, n) with velocities of all joints = G dq."""
     rows = np.zeros((arm.j, arm.n))
     rows[arm.free, np.arange(arm.n)] = 1.0
-    f = arm.followers
+    f = arm.mimic
     rows[f.joints, f.leaders] = f.multiplier
     return arm.all_joint_names, rows
 

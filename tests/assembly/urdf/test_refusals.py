@@ -185,7 +185,7 @@ JOINTS = {
     "mimics itself": (
         AXIS + LIMIT + '<mimic joint="turn"/>',
         ":3: joint turn, mimic: joints that mimic each other in a circle: turn -> turn; one of "
-        "them leads; remove its <mimic>",
+        "them is the leader; remove its <mimic>",
     ),
 }
 BASE, ARM, TURN = link("base", ""), link("arm"), joint("turn", "base", "arm")
@@ -255,10 +255,10 @@ ROBOTS = {
             BASE, joint("turn", "base", "arm", "fixed", ""), ARM, link("finger"),
             joint("follow", "arm", "finger", inside=AXIS + LIMIT + '<mimic joint="turn"/>'),
         ),
-        ':6: joint follow, mimic: follows joint "turn", which does not move here (fixed, or not '
-        "chosen); a joint follows one that moves; freeze it (lock: {follow: VALUE})",
+        ':6: joint follow, mimic: mimics joint "turn", which does not move here (fixed, or not '
+        "chosen); a joint mimics one that moves; freeze it (lock: {follow: VALUE})",
     ),
-    "follower that turns too far": (
+    "mimic joint that turns too far": (
         robot(
             BASE, TURN, ARM, link("finger"), link("tip"),
             joint("slow", "arm", "finger", inside=AXIS + LIMIT + '<mimic joint="turn"/>'),
@@ -267,7 +267,7 @@ ROBOTS = {
                 inside=AXIS + LIMIT + '<mimic joint="turn" multiplier="1e23" offset="0.5"/>',
             ),
         ),
-        ":8: joint fast, mimic: follows joint turn with multiplier 1e+23 and offset 0.5 rad, so "
+        ":8: joint fast, mimic: mimics joint turn with multiplier 1e+23 and offset 0.5 rad, so "
         "that it passes 100000 rad while that one moves by 1 rad; no joint turns so far; correct "
         "the two",
     ),

@@ -134,17 +134,17 @@ def test_a_locked_joint_moves_with_its_parent(tmp_path: Path) -> None:
 
 
 def mimicking() -> str:
-    """One joint leads three others: one beside it, one behind it, one that follows a follower."""
+    """One joint is the leader of three: one beside, one behind, one that mimics the second."""
     axis = '<origin xyz="0 0.1 0.2" rpy="0.3 0 0.1"/><axis xyz="1 0 0.4"/>' + LIMIT
 
-    def led(leader: str, multiplier: float, offset: float) -> str:
+    def mimicking(leader: str, multiplier: float, offset: float) -> str:
         return f'{axis}<mimic joint="{leader}" multiplier="{multiplier}" offset="{offset}"/>'
 
     return robot(
         link("base", ""), *(link(name) for name in ("a", "b", "c", "d", "e")),
-        joint("d1", "a", "d", "prismatic", led("b1", -0.25, 0.1)), joint("a1", "base", "a"),
-        joint("b1", "a", "b", inside=axis), joint("c1", "b", "c", inside=led("b1", 0.5, 0.0)),
-        joint("e1", "c", "e", inside=led("c1", 0.8, -0.05)),
+        joint("d1", "a", "d", "prismatic", mimicking("b1", -0.25, 0.1)), joint("a1", "base", "a"),
+        joint("b1", "a", "b", inside=axis), joint("c1", "b", "c", inside=mimicking("b1", 0.5, 0.0)),
+        joint("e1", "c", "e", inside=mimicking("c1", 0.8, -0.05)),
     )  # fmt: skip
 
 
@@ -152,8 +152,8 @@ def test_joints_that_mimic_follow_with_their_torque_on_the_leader(tmp_path: Path
     path = written(tmp_path, mimicking())
     arm = mr.load_robot(path)
     assert arm.joint_names == ("a1", "b1")
-    followers = dict(zip(arm.followers.names, arm.followers.multiplier.tolist(), strict=True))
-    assert followers == {"d1": -0.25, "c1": 0.5, "e1": 0.4}
+    mimic_joints = dict(zip(arm.mimic.names, arm.mimic.multiplier.tolist(), strict=True))
+    assert mimic_joints == {"d1": -0.25, "c1": 0.5, "e1": 0.4}
     names = ("a1", "b1", "c1", "d1", "e1")
     G = np.array([[1, 0], [0, 1], [0, 0.5], [0, -0.25], [0, 0.4]])
     offset = np.array([0, 0, 0, 0.1, -0.05])
@@ -166,7 +166,7 @@ def test_joints_that_mimic_follow_with_their_torque_on_the_leader(tmp_path: Path
         np.testing.assert_allclose(mr.mass_matrix(arm, q, drives=False), G.T @ M @ G, rtol=1e-9)
 
 
-def test_a_leader_keeps_its_followers_within_their_limits(tmp_path: Path) -> None:
+def test_a_leader_keeps_its_mimic_joints_within_their_limits(tmp_path: Path) -> None:
     arm = mr.load_robot(written(tmp_path, mimicking()))
     # d1 in [-2, 2.5] with q = -0.25 b1 + 0.1 allows more; e1 = 0.4 b1 - 0.05 as well.
     assert arm.position_limits[1].tolist() == [-2.0, 2.5]
@@ -174,17 +174,17 @@ def test_a_leader_keeps_its_followers_within_their_limits(tmp_path: Path) -> Non
     arm = mr.load_robot(written(tmp_path, faster))
     assert arm.position_limits[1].tolist() == [-1.0, 1.25]
     assert arm.velocity_limits[1] == 0.75
-    assert any("so that joint c1, which follows it, keeps its own" in note for note in arm.notes)
+    assert any("so that joint c1, which mimics it, keeps its own" in note for note in arm.notes)
 
 
-def test_limits_that_a_follower_can_never_keep_are_left_out_and_said(tmp_path: Path) -> None:
+def test_limits_that_a_mimic_joint_can_never_keep_are_left_out_and_said(tmp_path: Path) -> None:
     arm = mr.load_robot(written(tmp_path, mimicking().replace('offset="0.1"', 'offset="9"')))
     assert arm.position_limits[1].tolist() == [-2.0, 2.5]
-    told = "joint d1: its position limits left out; following b1 it is never inside them"
+    told = "joint d1: its position limits left out; mimicking b1 it is never inside them"
     assert told in arm.notes
 
 
-def test_a_lock_of_the_leader_locks_who_follows(tmp_path: Path) -> None:
+def test_a_lock_of_the_leader_locks_its_mimic_joints(tmp_path: Path) -> None:
     path = written(tmp_path, mimicking())
     arm = mr.load_robot(path, lock={"b1": 0.4})
     assert arm.joint_names == ("a1",)
@@ -327,7 +327,7 @@ REFUSED = {
     ),
     "links: {arm: {com: [0, 0, 0]}}": (
         "small.yaml:4: links.arm: one of com and inertia; the URDF gives this link's inertial in "
-        "turned axes (line 4) and an overlay is in the axes of the link; give com and all six "
+        "rotated axes (line 4) and an overlay is in the axes of the link; give com and all six "
         "entries of inertia, or neither"
     ),
 }

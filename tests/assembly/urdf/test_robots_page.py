@@ -21,7 +21,7 @@ def test_the_table_holds_the_robots_that_load_with_their_joints_and_no_violation
     shown = {(row[1], row[0]): int(row[2].partition("+")[0]) for row in table}
     assert shown == {(p, name): n for p, names in LOADED.items() for name, n in names.items()}
     assert {row[9] for row in table} == {"0"}
-    assert all(float(row[10]) < float(row[8]) for row in table)  # epsilon entered for good
+    assert all(float(row[10]) < float(row[8]) for row in table)  # epsilon entered permanently
 
 
 def test_the_refused_are_listed_with_their_reasons() -> None:

@@ -251,7 +251,7 @@ def test_a_quaternion_of_no_rotation_or_beside_rpy_is_refused(tmp_path: Path) ->
         ('quat_xyzw="0 0 0 0"', "length 0; the four numbers"),
         ('quat_xyzw="0 0 1 1"', r"length 1\.41421"),
         ('quat_xyzw="0 0 1"', "3 entries; a vector has four"),
-        ('quat_xyzw="0 0 0 1" rpy="0 0 0"', "beside rpy; an origin is turned once"),
+        ('quat_xyzw="0 0 0 1" rpy="0 0 0"', "beside rpy; an origin is rotated once"),
     ):
         text = two_links(f"<origin {given}/>" + AXIS + LIMIT)
         text = text.replace("<robot ", '<robot version="1.1" ')

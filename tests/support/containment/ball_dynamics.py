@@ -8,7 +8,7 @@ transpose is used: the row that takes a body's force and moment to joint i's tor
 the joint to the bodies, instead of every monomial from the body to the joints.
 
 Matrices are used as they are given, never as if their inverse were their transpose where the
-algorithm does not say so. With B_i: docs/theory/equations.md, (14); followers: (15).
+algorithm does not say so. With B_i: docs/theory/equations.md, (14); mimic joints: (15).
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class BallRobot:
     framed: Sequence[bool]  # (b) tensor about the body frame's origin
     gear_ratio: Sequence[arb]  # (j)
     coulomb_speed: Sequence[arb]  # (j)
-    moves: Sequence[int]  # (j) joints that entries of vectors move, then those that follow
+    moves: Sequence[int]  # (j) joints that entries of vectors move, then those that mimic
     leaders: Sequence[int]  # (j - n) entries of vectors
     multiplier: Sequence[arb]
     offset: Sequence[arb]
@@ -102,7 +102,7 @@ def from_doubles(robot: Robot) -> BallRobot:
     """The doubles of `to_dict()`, taken as real numbers."""
     base = ball_pose(robot.base)
     g = robot.gravity
-    f = robot.followers
+    f = robot.mimic
     return BallRobot(
         prismatic=[kind == "prismatic" for kind in robot.joint_types],
         parents=robot.parents.tolist(),

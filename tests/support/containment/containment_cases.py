@@ -38,9 +38,9 @@ def robot_of(seed: int) -> Case:
     n = int(rng.integers(1, 4) if size < 0.3 else rng.integers(4, 9))
     if size > 0.95:
         n = int(rng.integers(9, 31) if size > 0.99 else rng.integers(9, 15))
-    followers = int(rng.integers(1, 3)) if rng.random() < 0.2 else 0
+    mimic_joints = int(rng.integers(1, 3)) if rng.random() < 0.2 else 0
     sparse = bool(rng.random() < 0.25)
-    written = random_written(rng, n, followers, sparse)
+    written = random_written(rng, n, mimic_joints, sparse)
     robot = make_robot(rng, written, sparse)
     skew = rng.random() < 0.1
     robot = skewed(rng, robot) if skew else robot

@@ -1,4 +1,4 @@
-"""What the kernel answers for one state of a robot: every function, both methods."""
+"""What the kernel answers for one state of a robot: every function, both kinds of bound."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 import modrobust as mr
 from modrobust import _kernel
 from modrobust.control import RobustController
-from modrobust.kernel import METHODS
+from modrobust.kernel import BOUNDS
 from modrobust.model import Robot
 from support.containment.extreme_states import Signals
 
@@ -41,21 +41,21 @@ class Bound:
 
 
 def answers(robot: Robot, query: Query, as_given: bool) -> Iterator[Bound]:
-    """The kernel's bounds for one state, all functions and methods."""
+    """The kernel's bounds for one state, all functions and kinds of bound."""
     state = query.vectors()
-    for method in METHODS:
-        controller = RobustController(robot, bound=method)
+    for bound in BOUNDS:
+        controller = RobustController(robot, bound=bound)
         command = controller.command(0.0, *query.signals)
-        yield Bound(f"command {method}", command.phi_lo, command.phi_hi, True, command.nominal)
+        yield Bound(f"command {bound}", command.phi_lo, command.phi_hi, True, command.nominal)
         if as_given:
             continue
         nominal = mr.inverse_dynamics(robot, *state)
-        lo, hi = mr.perturbation_bounds(robot, *state, method=method)
-        yield Bound(f"perturbation {method}", lo, hi, True, nominal)
+        lo, hi = mr.perturbation_bounds(robot, *state, bound=bound)
+        yield Bound(f"perturbation {bound}", lo, hi, True, nominal)
         for drives in (True, False):
-            lo, hi = mr.inverse_dynamics_bounds(robot, *state, method=method, drives=drives)
-            slack = bounds_slack(robot, query, drives) if method == "hull" else None
-            yield Bound(f"torque {method}, drives {drives}", lo, hi, drives, slack=slack)
+            lo, hi = mr.inverse_dynamics_bounds(robot, *state, bound=bound, drives=drives)
+            slack = bounds_slack(robot, query, drives) if bound == "hull" else None
+            yield Bound(f"torque {bound}, drives {drives}", lo, hi, drives, slack=slack)
 
 
 def bounds_slack(robot: Robot, query: Query, drives: bool) -> Any:

@@ -52,9 +52,9 @@ LEAST = {
     "read as (4)": 0.1,
     "tree": 0.1,
     "whole turns taken off": 0.09,
-    "followers": 0.09,
+    "mimic": 0.09,
     "link without a body": 0.09,
-    "free joint behind a follower": 0.04,
+    "free joint behind a mimic joint": 0.04,
     "body known to a bit": 0.08,
     "rates apart by 1e100": 0.08,
     "kilometres": 0.07,
@@ -94,8 +94,8 @@ def kinds_of_robot(robot: Robot, written: Written) -> set[str]:
         "some prismatic joints": prismatic.any() and not prismatic.all(),
         "all prismatic": prismatic.all(),
         "tree": written.parents != list(range(-1, robot.j - 1)),
-        "followers": robot.j > robot.n,
-        "free joint behind a follower": _carries_free(robot),
+        "mimic": robot.j > robot.n,
+        "free joint behind a mimic joint": _carries_free(robot),
         "several bodies a link": bodies.max() > 1,
         "link without a body": bodies.min() == 0,
         "body on the base": len(links) < robot.b,
@@ -111,12 +111,12 @@ def kinds_of_robot(robot: Robot, written: Written) -> set[str]:
 
 
 def _carries_free(robot: Robot) -> bool:
-    """Whether a joint that follows another carries one that moves freely."""
-    followers = set(robot.followers.joints.tolist())
+    """Whether a mimic joint carries one that moves freely."""
+    mimic_joints = set(robot.mimic.joints.tolist())
     for i in robot.free.tolist():
         while i >= 0:
             i = int(robot.parents[i])
-            if i in followers:
+            if i in mimic_joints:
                 return True
     return False
 

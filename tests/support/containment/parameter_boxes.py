@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from modrobust.model import Bounded, ControllerSettings, Followers, Parameters, Robot
+from modrobust.model import Bounded, ControllerSettings, MimicJoints, Parameters, Robot
 from support.containment.written_robots import Written, amount, exact_pose, nearest, nearest_matrix
 
 KINDS = ("exact", "ulp", "tiny", "per cent", "wide", "mixed")
@@ -132,8 +132,8 @@ def make_robot(rng: np.random.Generator, written: Written, sparse: bool = False)
         upper=upper,
         disturbance=disturbance(rng, n),
         controller=ControllerSettings(K_r=tuple(float(k) for k in 10.0 ** rng.uniform(-1, 2, n))),
-        followers=Followers(
-            names=tuple(f"follower{k}" for k in range(j - n)),
+        mimic=MimicJoints(
+            names=tuple(f"mimic{k}" for k in range(j - n)),
             leaders=np.array(written.leaders, dtype=np.int32),
             multiplier=np.array([float(x) for x in written.multiplier]),
             offset=np.array([nearest(amount(move)) for move in written.offset]),

@@ -35,10 +35,10 @@ class Written:
     placement: list[list[Move]]
     gear_ratio: list[Fraction]  # (j)
     coulomb_speed: list[Fraction]  # (j)
-    moves: list[int]  # (j) the free joints, then those that follow
+    moves: list[int]  # (j) the free joints, then those that mimic
     leaders: list[int]  # (j - n)
     multiplier: list[Fraction]
-    offset: list[Move]  # one angle or length for each follower
+    offset: list[Move]  # one angle or length for each mimic joint
 
     @property
     def n(self) -> int:
@@ -169,14 +169,14 @@ def span(rng: np.random.Generator, reach: float) -> list[Move]:
 
 
 def random_written(
-    rng: np.random.Generator, n: int, followers: int, sparse: bool = False
+    rng: np.random.Generator, n: int, mimic_joints: int, sparse: bool = False
 ) -> Written:
-    """A random robot with n free joints and that many followers, half of the time anywhere.
+    """A random robot with n free joints and that many mimic joints, half of the time anywhere.
 
     sparse: Without gravity and with few lengths, so that no large torque hides the rounding of
     another.
     """
-    j = n + followers
+    j = n + mimic_joints
     share = rng.choice([0.0, 0.3, 1.0], p=[0.4, 0.5, 0.1])  # of prismatic joints
     tree = rng.random() < 0.3
     parents = [int(rng.integers(-1, i)) if tree and i else i - 1 for i in range(j)]
@@ -197,9 +197,9 @@ def random_written(
         return 10.0 ** rng.uniform(-9, 3) * (rng.random() < 0.4) if sparse else reach
 
     drive = rng.random() < 0.7
-    following = list(range(n, j))
-    if followers and rng.random() < 0.5:
-        following = sorted(rng.permutation(j)[:followers].tolist())
+    mimic = list(range(n, j))
+    if mimic_joints and rng.random() < 0.5:
+        mimic = sorted(rng.permutation(j)[:mimic_joints].tolist())
     return Written(
         prismatic=(rng.random(j) < share).tolist(),
         parents=parents,
@@ -214,11 +214,11 @@ def random_written(
             Fraction(int(rng.integers(1, 100))) * Fraction(10) ** int(rng.integers(-6, -1))
             for _ in range(j)
         ],
-        moves=[*(i for i in range(j) if i not in following), *following],
-        leaders=[int(k) for k in rng.integers(0, n, followers)],
-        multiplier=[decimal(rng, 3.0) for _ in range(followers)],
+        moves=[*(i for i in range(j) if i not in mimic), *mimic],
+        leaders=[int(k) for k in rng.integers(0, n, mimic_joints)],
+        multiplier=[decimal(rng, 3.0) for _ in range(mimic_joints)],
         offset=[
             angle(rng, "z") if rng.random() < 0.7 else length(rng, "z", 1.0)
-            for _ in range(followers)
+            for _ in range(mimic_joints)
         ],
     )

@@ -34,7 +34,7 @@ def boxes(nominal: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bytes:
 
 def encode(robot: mr.Robot, rng: np.random.Generator) -> bytes:
     """The robot at a random state with its own controller settings."""
-    f, c, d = robot.followers, robot.controller, robot.disturbance
+    f, c, d = robot.mimic, robot.controller, robot.disturbance
     out = [bytes([robot.n - 1, robot.j - robot.n, robot.b])]
     for i in range(robot.j):
         kind = robot.joint_types[i] == "prismatic"

@@ -11,7 +11,7 @@ import numpy as np
 import modrobust as mr
 from modrobust import _kernel
 from modrobust.model import Robot
-from support.kernel.native import GAINS, METHODS, Native
+from support.kernel.native import BOUNDS, GAINS, Native
 from support.random_robots import random_robot, random_state, tied
 
 State = tuple[Any, Any, Any, Any]
@@ -19,9 +19,9 @@ WIDTHS = ("exact", "narrow", "wide", "mixed")
 
 
 def robots(seed: int, count: int) -> Iterator[Robot]:
-    """Chains and trees of 1 to 9 joints, every second one with followers, boxes of every kind.
+    """Chains and trees of 1 to 9 joints, every second one with mimic joints, boxes of every kind.
 
-    Every third one has joints that wrap, unless their followers do not.
+    Every third one has joints that wrap, unless their mimic joints do not.
     """
     rng = np.random.default_rng(seed)
     for k in range(count):
@@ -81,7 +81,7 @@ def by_extension(robot: Robot, state: State, run: Callable[..., Any] = outcome) 
         out[f"error {drives}"] = run(_kernel.inverse_dynamics_rounding, *at, *state, drives)
         out[f"slack {drives}"] = run(_kernel.bounds_slack, robot.model, *box, *state, drives)
         out[f"ddq {drives}"] = run(_kernel.forward_dynamics, *at, q, dq, tau, drives)
-    for name, code in METHODS.items():
+    for name, code in BOUNDS.items():
         bounds = _kernel.inverse_dynamics_bounds
         out[f"{name} bare"] = run(bounds, robot.model, *box, *state, code, False)
         out[f"{name} all"] = run(bounds, robot.model, *box, *state, code, True)
@@ -109,7 +109,7 @@ def by_native(native: Native, state: State) -> dict[str, Any]:
         out[f"error {drives}"] = native.rounding(state, drives)
         out[f"slack {drives}"] = native.slack(state, drives)
         out[f"ddq {drives}"] = native.forward_dynamics(q, dq, tau, drives)
-    for name in METHODS:
+    for name in BOUNDS:
         out[f"{name} bare"] = native.bounds(name, state, False)
         out[f"{name} all"] = native.bounds(name, state, True)
         many = [[np.roll(x, k) for x in state] for k in range(11)]
@@ -143,7 +143,7 @@ def beyond_native(robot: Robot, state: State, run: Callable[..., Any] = outcome)
     q, dq, _, _ = state
     out = {}
     zero = np.zeros(robot.n)
-    for name in METHODS:
+    for name in BOUNDS:
         settings = {"law": "norm", "bound": name, **GAINS}
         controller = mr.RobustController(robot, **settings).kernel  # type: ignore[arg-type]
         loop = _kernel.Loop(controller, robot.nominal.packed, zero, q, dq, 2**-14, 1)

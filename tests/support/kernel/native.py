@@ -23,7 +23,7 @@ from modrobust.model import Parameters, Robot
 
 FOLDER = Path(modrobust.kernel.__file__).parent
 FLAGS = [line for line in (FOLDER / "flags.txt").read_text().splitlines() if line[:1] == "-"]
-METHODS = {"hull": 0, "ianea": 1}
+BOUNDS = {"hull": 0, "ianea": 1}
 GAINS = {"kappa_P": 2.0, "kappa_I": 100.0, "phi_P": 1.0, "phi_I": 200.0, "epsilon": 0.01}
 
 Doubles = POINTER(c_double)
@@ -47,7 +47,7 @@ class Model(Structure):
         ("placement", Doubles),
         ("inertia_about", Ints),
         ("gravity", c_double * 3),
-        ("folded", Doubles),
+        ("precomputed", Doubles),
         ("wraps", Ints),
     )
 
@@ -186,9 +186,15 @@ class Native:
 
     def __init__(self, library: ctypes.CDLL, robot: Robot, memory: Memory) -> None:
         self._lib, self._robot, self._memory = library, robot, memory
-        for name in ("folded", "prepared", "workspace", "batch_workspace", "dynamics_workspace"):
+        for name in (
+            "precomputed",
+            "prepared",
+            "workspace",
+            "batch_workspace",
+            "dynamics_workspace",
+        ):
             getattr(library, f"mr_{name}_size").restype = c_size_t
-        self.n, f = robot.n, robot.followers
+        self.n, f = robot.n, robot.mimic
         x, y, z = (row * g for row, g in zip(robot.base[:3, :3], robot.gravity, strict=True))
         self._model = Model(
             n=robot.n,
@@ -209,9 +215,9 @@ class Native:
             inertia_about=memory.ints(robot.framed),
             gravity=(c_double * 3)(*(x + y + z)),
         )
-        folded = memory.empty(self.size("folded"))
-        library.mr_fold(byref(self._model), folded)
-        self._model.folded = folded
+        precomputed = memory.empty(self.size("precomputed"))
+        library.mr_precompute_model(byref(self._model), precomputed)
+        self._model.precomputed = precomputed
         if robot.wraps.any():
             self._model.wraps = memory.ints(robot.wraps)
         self._nominal = self._point(robot.nominal)
@@ -261,15 +267,15 @@ class Native:
         name = "inverse_dynamics_rounding"
         return self._call(name, [byref(self._nominal), *state, int(drives)], 2)
 
-    def bounds(self, method: str, state: Sequence[Any], drives: bool) -> Any:
-        arguments = [byref(self._bounds), METHODS[method], *state, int(drives)]
+    def bounds(self, bound: str, state: Sequence[Any], drives: bool) -> Any:
+        arguments = [byref(self._bounds), BOUNDS[bound], *state, int(drives)]
         return self._call("inverse_dynamics_bounds", arguments, 2)
 
     def slack(self, state: Sequence[Any], drives: bool) -> Any:
         """What rounding may add to either end of the hull."""
         return self._call("bounds_slack", [byref(self._bounds), *state, int(drives)], 1)
 
-    def batch(self, method: str, states: Sequence[Sequence[Any]], drives: bool) -> Any:
+    def batch(self, bound: str, states: Sequence[Sequence[Any]], drives: bool) -> Any:
         """Lower and upper bounds (2, k, n) of k states."""
         with Memory() as m:
             k, rows = len(states), (np.array(x) for x in zip(*states, strict=True))
@@ -277,7 +283,7 @@ class Native:
             status = self._lib.mr_inverse_dynamics_bounds_batch(
                 byref(self._model),
                 byref(self._bounds),
-                METHODS[method],
+                BOUNDS[bound],
                 ctypes.c_int64(k),
                 *(m.doubles(x) for x in rows),
                 int(drives),
@@ -288,9 +294,9 @@ class Native:
             )
             return status, np.array([taken(lo, k, self.n), taken(hi, k, self.n)])
 
-    def perturbation(self, method: str, state: Sequence[Any]) -> Any:
+    def perturbation(self, bound: str, state: Sequence[Any]) -> Any:
         """Rows: nominal torque, lower and upper bound."""
-        return self._call("perturbation_bounds", [byref(self._bounds), METHODS[method], *state], 3)
+        return self._call("perturbation_bounds", [byref(self._bounds), BOUNDS[bound], *state], 3)
 
     def forward_dynamics(self, q: Any, dq: Any, tau: Any, drives: bool) -> Any:
         arguments = [byref(self._nominal), q, dq, tau, int(drives)]
@@ -311,12 +317,12 @@ class Native:
             status = self._lib.mr_forward_kinematics(*given, frames)
             return status, taken(frames, self._robot.j, 12)
 
-    def commands(self, method: str, ticks: Sequence[tuple[float, Sequence[Any]]]) -> list[Any]:
+    def commands(self, bound: str, ticks: Sequence[tuple[float, Sequence[Any]]]) -> list[Any]:
         """(status, rows tau, nominal, v, phi_lo, phi_hi, rho) of each command; t and signals."""
         out, state = [], ControllerState()
         with Memory() as m:
             K_r = m.doubles(self._robot.controller.K_r)
-            gains = Gains(K_r=K_r, law=0, method=METHODS[method], **GAINS)
+            gains = Gains(K_r=K_r, law=0, method=BOUNDS[bound], **GAINS)
             workspace = m.empty(self.size("workspace"))
             for t, signals in ticks:
                 rows = [m.empty(self.n) for _ in range(6)]

@@ -17,7 +17,7 @@ from modrobust.bench.found_range import found_range
 from modrobust.checks import as_number
 from modrobust.export.mjcf import mjcf_text
 from modrobust.export.urdf import urdf_text
-from modrobust.model import Bounded, Followers, Robot, synthetic_chain
+from modrobust.model import Bounded, MimicJoints, Robot, synthetic_chain
 from modrobust.motion import Splined, default_trajectory
 from modrobust.simulation import true_robot
 from modrobust.timor import import_timor
@@ -85,7 +85,9 @@ def of_a_robot(seed: int, run: Callable[..., Any]) -> dict[str, Any]:
     tenth = np.float32(0.1)
     out["number"] = run(lambda: data(as_number("x", TINY)))
     out["Bounded"] = run(lambda: data(Bounded(narrow, narrow, narrow).nominal))
-    out["Followers"] = run(lambda: data(Followers(("f",), np.array([0]), narrow[:1]).multiplier))
+    out["MimicJoints"] = run(
+        lambda: data(MimicJoints(("f",), np.array([0]), narrow[:1]).multiplier)
+    )
     out["gain"] = run(lambda: mr.RobustController(robot, K_r=tenth).settings.K_r)
     out["samples"] = run(lambda: data(robot.sample_parameters(seed).packed))
     out["corner"] = run(lambda: data(robot.corner_parameters(seed).packed))
@@ -121,7 +123,7 @@ def data(values: Any) -> bytes:
 
 
 def by_model(model: _kernel.Model, box: tuple[Any, ...], state: Any) -> bytes:
-    """What tells two models apart: torques and both bounds."""
+    """What tells two models apart: torques and both kinds of bound."""
     tau = _kernel.inverse_dynamics(model, box[0], *state, True)
     bounds = [
         _kernel.inverse_dynamics_bounds(model, *box, *state, code, True)
@@ -132,11 +134,11 @@ def by_model(model: _kernel.Model, box: tuple[Any, ...], state: Any) -> bytes:
 
 def model_maker(robot: Robot) -> Callable[[], _kernel.Model]:
     """Makes the compiled model from arrays that are there already."""
-    followers = robot.followers
+    mimic = robot.mimic
     types = np.array([kind == "prismatic" for kind in robot.joint_types], dtype=np.int32)
     abouts = robot.framed.astype(np.int32)
     return lambda: _kernel.Model(
         types, robot.parents, robot.before, robot.after, robot.gravity, robot.body_joints,
         robot.placement, abouts, robot.gear_ratio, robot.coulomb_speed, robot.moves,
-        followers.leaders, followers.multiplier, followers.offset, robot.wraps.astype(np.int32),
+        mimic.leaders, mimic.multiplier, mimic.offset, robot.wraps.astype(np.int32),
     )  # fmt: skip

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from modrobust.assembly.modules.connectors import mating_problem
+from modrobust.assembly.modules.connectors import incompatibility
 from modrobust.checks import did_you_mean
 from modrobust.checks.files import kind_of_path
 from modrobust.errors import FileError
@@ -52,15 +52,15 @@ def catalogue(directories: Iterable[str | Path] | None = None) -> list[Module]:
     return [load_module(found[name]) for name in sorted(found)]
 
 
-def mates(modules: Sequence[Module]) -> dict[str, tuple[str, ...]]:
-    """For each module, by id: the ids of those whose ``in`` mates with its ``out``."""
+def mounts(modules: Sequence[Module]) -> dict[str, tuple[str, ...]]:
+    """For each module, by id: the ids of those that mount on it, ``in`` on its ``out``."""
     return {
         below.id: tuple(
             above.id
             for above in modules
             if below.connector_out is not None
             and above.connector_in is not None
-            and mating_problem(below.connector_out, above.connector_in) is None
+            and incompatibility(below.connector_out, above.connector_in) is None
         )
         for below in modules
     }

@@ -1,6 +1,6 @@
 """Which connectors go together, and at which mounting angles.
 
-An ``out`` mates with an ``in`` of the same type and the same size when the genders are m and f, in
+An ``in`` mounts on an ``out`` of the same type and the same size when the genders are m and f, in
 either order, or both n. A connector with a clocking takes mounts that are multiples of it only.
 """
 
@@ -10,7 +10,7 @@ import math
 
 from modrobust.formats import Connector
 
-RULE = "connectors mate with the same type, the same size, and genders m and f or n and n"
+RULE = "compatible connectors have the same type, the same size, and genders m and f or n and n"
 
 _STEP_TOLERANCE = 1e-9  # [rad]
 
@@ -21,8 +21,8 @@ def describe(connector: Connector) -> str:
     return f"{connector.type}{size}, gender {connector.gender}"
 
 
-def mating_problem(out: Connector, into: Connector) -> str | None:
-    """Why an ``out`` does not mate with an ``in``; None when it does."""
+def incompatibility(out: Connector, into: Connector) -> str | None:
+    """Why an ``in`` does not mount on an ``out``; None when it does."""
     if out.type != into.type:
         return "the types differ"
     if out.size != into.size:

@@ -1,4 +1,4 @@
-"""From a chain of modules to one flat list of steps: names, mating, nesting.
+"""From a chain of modules to one flat list of steps: names, connectors, nesting.
 
 Each step starts where the last one ended. A compound module brings the steps of the modules inside
 it; a mounting angle is a step of its own, Rz(mount) at the connector.
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from modrobust.assembly.modules.catalogue import Library
-from modrobust.assembly.modules.connectors import RULE, clocking_problem, describe, mating_problem
+from modrobust.assembly.modules.connectors import RULE, clocking_problem, describe, incompatibility
 from modrobust.formats import (
     Assembly,
     BodyItem,
@@ -77,7 +77,7 @@ def mount_chain(assembly: Assembly) -> Mounted:
     """The steps of an assembly's chain, from the base frame to the tip.
 
     Raises:
-        DescriptionError: A module is unknown, contains itself, or does not mate where it is put;
+        DescriptionError: A module is unknown, contains itself, or does not mount where it is put;
             two instances have one name.
     """
     mounter = _Mounter(Library(assembly.modules))
@@ -125,7 +125,7 @@ class _Mounter:
             field = f"chain[{index}]"
             module = self.load(item, field, inside)
             if below is not None:
-                _check_mating(below, module, item, field)
+                _check_connectors(below, module, item, field)
             nodes.append(self._mount(module, item, f"{prefix}{next(names)}", inside))
             below = module
         return tuple(nodes)
@@ -218,7 +218,7 @@ def _unique_names(items: Sequence[Item]) -> list[str]:
     return names
 
 
-def _check_mating(below: Module, above: Module, item: NestedItem, field: str) -> None:
+def _check_connectors(below: Module, above: Module, item: NestedItem, field: str) -> None:
     """Refuses a module on one that it does not fit, with both connectors in words."""
     out, into = below.connector_out, above.connector_in
     if out is None or into is None:
@@ -228,11 +228,11 @@ def _check_mating(below: Module, above: Module, item: NestedItem, field: str) ->
             f'"{above.id}" cannot be mounted on "{below.id}": "{lacking.id}" has no {side} '
             f'connector; {RULE}; see "modrobust modules" for what fits',
         )
-    problem = mating_problem(out, into)
+    problem = incompatibility(out, into)
     if problem:
         raise item.where.error(
             field,
-            f'"{above.id}" (in: {describe(into)}) does not mate with '
+            f'"{above.id}" (in: {describe(into)}) does not mount on '
             f'"{below.id}" (out: {describe(out)}): {problem}; {RULE}; '
             'see "modrobust modules" for what fits',
         )

@@ -54,9 +54,9 @@ def _plain(root: Element, description: Description) -> Element:
     def plain(element: Element) -> Element:
         attributes = dict(element.attributes)
         if element.tag == "origin" and "quat_xyzw" in attributes:
-            turned = read_pose(element, "", 1.1)[1].rounded()
+            rotated = read_pose(element, "", 1.1)[1].rounded()
             attributes.pop("quat_xyzw")
-            attributes["rpy"] = " ".join(map(repr, roll_pitch_yaw(turned[:3, :3])))
+            attributes["rpy"] = " ".join(map(repr, roll_pitch_yaw(rotated[:3, :3])))
         link = description.links.get(attributes.get("name", "")) if element.tag == "link" else None
         children = [
             plain(child)

@@ -42,9 +42,9 @@ class UrdfFaults(Faults):
         """A fault of a link's figures, and of those that the reader of its inertial found."""
         self.add(fault)
         faults = fault.faults if isinstance(fault, SeveralFaultsError) else (fault,)
-        turned = link.inertial is not None and link.inertial.turned
+        rotated = link.inertial is not None and link.inertial.rotated
         own = {key for key, found in link.faults.items() if found in faults}
-        figures = own | figures_of(faults, link.name, turned)
+        figures = own | figures_of(faults, link.name, rotated)
         self.links.setdefault(link.name, set()).update(figures)
 
     def add_massless(self, link: str, fault: DescriptionError) -> None:

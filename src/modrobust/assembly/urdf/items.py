@@ -56,7 +56,7 @@ def read_body(
 
     Figures that no rigid body has are taken as written: `Robot.unphysical`.
 
-    The body frame is the link frame where the inertial is not turned against it or the overlay
+    The body frame is the link frame where the inertial is not rotated against it or the overlay
     gives both COM and tensor, and the inertial frame (with its COM at 0) otherwise.
 
     Raises:
@@ -69,17 +69,17 @@ def read_body(
         _need_all(link, overlay, owner, inertial is None)
     faults = Faults()
     faults.add(*_unmended(link, given))
-    turned = inertial is not None and inertial.turned
+    rotated = inertial is not None and inertial.rotated
     whole = "com" in given and "inertia" in given and _is_whole(given["inertia"])
-    if turned and not whole and ("com" in given or "inertia" in given):
+    if rotated and not whole and ("com" in given or "inertia" in given):
         assert overlay is not None
         raise overlay.where.error(
             f"links.{link.name}",
-            "one of com and inertia; the URDF gives this link's inertial in turned axes "
+            "one of com and inertia; the URDF gives this link's inertial in rotated axes "
             f"(line {link.inertial.where.line if link.inertial else 0}) and an overlay is in the "
             "axes of the link; give com and all six entries of inertia, or neither",
         )
-    in_inertial_frame = turned and not whole
+    in_inertial_frame = rotated and not whole
     mass, com, tensor = _nodes(link, given, in_inertial_frame)
     prefix = f"{owner}, "
     masses = _some_masses(mass)

@@ -1,4 +1,4 @@
-"""Joints that follow others: how far they let the joint that leads them move."""
+"""Mimic joints: how far they let their leader move."""
 
 from __future__ import annotations
 
@@ -11,46 +11,46 @@ _NO_LONGER = "; written as continuous, it is revolute so, and its error not less
 _ROUNDING = 1e-9  # [rad] or [m]: a limit that moved by less is the same limit
 
 
-def within_followers(joints: Sequence[PlacedJoint], notes: list[str]) -> tuple[PlacedJoint, ...]:
-    """The joints, leaders with limits that keep their followers within theirs.
+def within_mimic_limits(joints: Sequence[PlacedJoint], notes: list[str]) -> tuple[PlacedJoint, ...]:
+    """The joints, leaders with limits that keep their mimic joints within theirs.
 
     Args:
-        joints: Free ones and those that follow.
+        joints: Free ones and mimic joints.
         notes: Takes a remark for each limit that became narrower.
     """
     result = list(joints)
-    for follower in joints:
-        if follower.follows is None:
+    for mimic_joint in joints:
+        if mimic_joint.mimic is None:
             continue
-        index, multiplier, offset = follower.follows
+        index, multiplier, offset = mimic_joint.mimic
         leader = result[index]
         position, velocity = leader.item.position, leader.item.velocity
-        if follower.item.position is not None:
-            ends = sorted((end - offset) / multiplier for end in follower.item.position)
+        if mimic_joint.item.position is not None:
+            ends = sorted((end - offset) / multiplier for end in mimic_joint.item.position)
             lo, hi = position or (ends[0], ends[1])
             narrow = (max(lo, ends[0]), min(hi, ends[1]))
             if narrow[0] >= narrow[1]:  # seen in real files, where limits were copied with the sign
                 notes.append(
-                    f"joint {follower.name}: its position limits left out; following "
+                    f"joint {mimic_joint.name}: its position limits left out; mimicking "
                     f"{leader.name} it is never inside them"
                 )
             elif position is None or max(narrow[0] - lo, hi - narrow[1]) > _ROUNDING:
                 position = narrow
                 notes.append(
                     f"joint {leader.name}: position limits [{narrow[0]:g}, {narrow[1]:g}], so that "
-                    f"joint {follower.name}, which follows it, keeps its own"
+                    f"joint {mimic_joint.name}, which mimics it, keeps its own"
                     + _NO_LONGER
                     * (leader.item.type == "continuous")
                 )
-        if follower.item.velocity is not None:
-            fastest = follower.item.velocity / abs(multiplier)
+        if mimic_joint.item.velocity is not None:
+            fastest = mimic_joint.item.velocity / abs(multiplier)
             if velocity is None or fastest < velocity - _ROUNDING:
                 velocity = fastest
                 notes.append(
                     f"joint {leader.name}: speed limit {fastest:g}, so that joint "
-                    f"{follower.name}, which follows it, keeps its own"
+                    f"{mimic_joint.name}, which mimics it, keeps its own"
                 )
-        # An end that a follower sets is an end: the joint does not turn endlessly any more.
+        # An end that a mimic joint sets is an end: the joint does not turn endlessly any more.
         endless = leader.item.type == "continuous" and position is None
         kind = leader.item.type if endless or not _turns(leader) else "revolute"
         item = replace(leader.item, type=kind, position=position, velocity=velocity)
@@ -61,17 +61,17 @@ def within_followers(joints: Sequence[PlacedJoint], notes: list[str]) -> tuple[P
 
 def _unwrapped(joints: Sequence[PlacedJoint]) -> Iterator[str]:
     """Remarks on continuous joints that cannot be brought back by a whole turn, `Robot.wraps`."""
-    for follower in joints:
-        if follower.follows is None:
+    for mimic_joint in joints:
+        if mimic_joint.mimic is None:
             continue
-        index, multiplier, _ = follower.follows
+        index, multiplier, _ = mimic_joint.mimic
         leader = joints[index]
-        if leader.item.type != "continuous" or (_turns(follower) and multiplier.is_integer()):
+        if leader.item.type != "continuous" or (_turns(mimic_joint) and multiplier.is_integer()):
             continue
-        moves = f"turns {multiplier:g} times as far" if _turns(follower) else "slides"
+        moves = f"turns {multiplier:g} times as far" if _turns(mimic_joint) else "slides"
         yield (
             f"joint {leader.name}: continuous, but its error is not taken less whole turns, since "
-            f"joint {follower.name}, which follows it, {moves}: a turn leads to another pose"
+            f"joint {mimic_joint.name}, which mimics it, {moves}: a turn leads to another pose"
         )
 
 

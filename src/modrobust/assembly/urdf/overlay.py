@@ -20,20 +20,20 @@ _FIGURES = {
 }
 
 
-def figures_of(faults: Iterable[DescriptionError], name: str, turned: bool) -> set[str]:
+def figures_of(faults: Iterable[DescriptionError], name: str, rotated: bool) -> set[str]:
     """Which of mass, com and inertia of link `name` the faults name.
 
     Args:
         faults: Of this link, with fields such as ``link arm, inertia.xx``.
         name: The link.
-        turned: Whether its inertial is turned against it, so that com and inertia go together.
+        rotated: Whether its inertial is rotated against it, so that com and inertia go together.
     """
     found = set()
     for fault in faults:
         figure = re.match(r"[a-z]*", fault.field.removeprefix(f"link {name}, "))
         if figure and figure[0] in _FIGURES:
             found.add(figure[0])
-    return found | ({"com", "inertia"} if turned and found & {"com", "inertia"} else set())
+    return found | ({"com", "inertia"} if rotated and found & {"com", "inertia"} else set())
 
 
 def overlay_text(links: dict[str, set[str]], joints: Iterable[str]) -> str:

@@ -53,7 +53,7 @@ class Inertial:
     mass: Number
     xyz: tuple[Number, Number, Number]
     origin: Transform
-    turned: bool  # whether rpy is not zero
+    rotated: bool  # whether rpy is not zero
     tensor: tuple[Number, ...]  # xx, xy, xz, yy, yz, zz
     where: Where
 
@@ -298,10 +298,10 @@ def _inertial(element: Element, name: str, owner: str, version: float, where: Wh
     zero = Number(ScalarNode("0", element.where), 0.0)
     faults: dict[str, DescriptionError] = {}
     mass, tensor = zero, (zero,) * len(_ENTRIES)
-    xyz, pose, turned = (zero, zero, zero), IDENTITY, False
+    xyz, pose, rotated = (zero, zero, zero), IDENTITY, False
     try:
         origin = element.one("origin", owner)
-        written, pose, turned = read_pose(origin, owner, version)
+        written, pose, rotated = read_pose(origin, owner, version)
         xyz = xyz if origin is None else written
     except DescriptionError as fault:
         faults["com"] = fault
@@ -315,7 +315,7 @@ def _inertial(element: Element, name: str, owner: str, version: float, where: Wh
         tensor = tuple(required(part, entry, owner) for entry in _ENTRIES)
     except DescriptionError as fault:
         faults["inertia"] = fault
-    return Link(name, Inertial(mass, xyz, pose, turned, tensor, element.where), where, faults)
+    return Link(name, Inertial(mass, xyz, pose, rotated, tensor, element.where), where, faults)
 
 
 def _part(element: Element, tag: str, owner: str, attributes: Sequence[str]) -> Element:
@@ -343,6 +343,6 @@ def _check_mimic(joint: Joint, joints: dict[str, Joint]) -> None:
             raise mimic.where.error(
                 f"joint {chain[-1]}, mimic",
                 f"joints that mimic each other in a circle: {' -> '.join([*chain, mimic.leader])}; "
-                "one of them leads; remove its <mimic>",
+                "one of them is the leader; remove its <mimic>",
             )
         chain.append(mimic.leader)

@@ -23,7 +23,7 @@ from modrobust.assembly.urdf.items import (
     read_urdf_joint,
 )
 from modrobust.assembly.urdf.limits import JointRemarks
-from modrobust.assembly.urdf.mimic import within_followers
+from modrobust.assembly.urdf.mimic import within_mimic_limits
 from modrobust.assembly.urdf.reader import Description, Inertial, Items, read_items, read_structure
 from modrobust.assembly.urdf.tree import MOVING, Selection, select
 from modrobust.assembly.urdf.unmodelled import remark
@@ -62,7 +62,7 @@ def urdf_parts(source: UrdfSource) -> tuple[str, Parts]:
     joints = _joints(chosen, source, tolerances, notes, faults)
     bodies = _bodies(description, chosen, source, tolerances, notes, faults)
     faults.stop()
-    joints = within_followers(joints, notes)
+    joints = within_mimic_limits(joints, notes)
     _need_mass(description, chosen, joints, bodies, faults)
     faults.stop()
     moving = [name for name, (joint, _) in chosen.frames.items() if joint >= 0]
@@ -165,9 +165,7 @@ def _joints(
         with faults.of_joint(joint.name):
             item = read_urdf_joint(joint, source.joints.get(joint.name), tolerances, remarks)
             before, after = motion.before.rounded(), motion.after.rounded()
-            placed.append(
-                PlacedJoint(joint.name, item, motion.parent, before, after, motion.follows)
-            )
+            placed.append(PlacedJoint(joint.name, item, motion.parent, before, after, motion.mimic))
     notes += remarks.sentences()
     return tuple(placed)
 
@@ -241,14 +239,14 @@ def _need_mass(
     pending = list(loaded - {-1})
     while pending:
         joint = joints[pending.pop()]
-        carriers = {joint.parent} | ({joint.follows[0]} if joint.follows else set())
+        carriers = {joint.parent} | ({joint.mimic[0]} if joint.mimic else set())
         pending += carriers - loaded - {-1}
         loaded |= carriers
     for index in range(len(joints) - 1, -1, -1):
         joint = joints[index]
         if index in loaded:
-            loaded |= {joint.parent} if joint.follows is None else {joint.parent, joint.follows[0]}
-        elif joint.follows is None and joint.item.rotor_inertia is None:
+            loaded |= {joint.parent} if joint.mimic is None else {joint.parent, joint.mimic[0]}
+        elif joint.mimic is None and joint.item.rotor_inertia is None:
             loaded |= {joint.parent}  # told once, not of every joint before it
             links = [name for name, (owner, _) in chosen.frames.items() if owner == index]
             faults.add_massless(

@@ -30,21 +30,21 @@ MOVING = ("revolute", "continuous", "prismatic")
 class Motion:
     """A joint of the robot: index of its parent (-1 = base), ``before`` and ``after``.
 
-    follows: index of the joint that leads, multiplier, offset; None for a joint that is free.
+    mimic: index of the leader, multiplier, offset; None for a joint that is free.
     """
 
     joint: Joint
     parent: int
     before: Transform
     after: Transform
-    follows: tuple[int, float, float] | None = None
+    mimic: tuple[int, float, float] | None = None
 
 
 @dataclass(frozen=True)
 class Selection:
     """The joints, parents first, and every link's frame in what it moves with.
 
-    Free joints stand before those that follow others, as far as none of these carries them.
+    Free joints stand before mimic joints, as far as none of these carries them.
 
     Args:
         frames: Link name to index of the joint it moves with (-1 = base) and frame.
@@ -76,7 +76,7 @@ def select(
     Raises:
         DescriptionError: A name that does not exist, a tip that is not behind the base, a lock
             outside the limits, or a joint that cannot move here: floating, planar, or one that
-            follows a joint which is not there.
+            mimics a joint which is not there.
     """
     first = _link(description, base, "base_link") or description.root
     last = _link(description, tip, "tip_link")
@@ -157,15 +157,15 @@ def _locked(description: Description, lock: Mapping[str, Node]) -> dict[str, Fra
             )
         found[name] = exact
     progress = True
-    while progress:  # followers of followers
+    while progress:  # mimic joints of mimic joints
         progress = False
         for joint in description.joints.values():
             mimic = joint.mimic
             if mimic is None or joint.name in found or joint.type not in MOVING:
                 continue
             if not mimic.multiplier or mimic.leader in found:
-                led = found[mimic.leader] if mimic.multiplier else 0
-                found[joint.name] = mimic.multiplier * led + mimic.offset
+                leader = found[mimic.leader] if mimic.multiplier else 0
+                found[joint.name] = mimic.multiplier * leader + mimic.offset
                 progress = True
     return found
 
@@ -233,7 +233,7 @@ class _Walk:
         return f"joint {joint.name} at {float(value):g} {unit}"
 
     def _still(self, joint: Joint) -> Fraction:
-        """Position of a joint before the base: where it is locked, else 0, as it follows that."""
+        """Position of a joint before the base: where it is locked, else 0, as it mimics that."""
         if joint.name in self.locked or joint.mimic is None:
             return self.locked.get(joint.name, Fraction(0))
         leader = self._still(self.description.joints[joint.mimic.leader])
@@ -281,14 +281,14 @@ class _Walk:
 def _free_first(
     description: Description, motions: list[Motion], frames: dict[str, tuple[int, Transform]]
 ) -> tuple[list[Motion], dict[str, tuple[int, Transform]]]:
-    """Motions and frames with the free joints first and those that follow others behind them.
+    """Motions and frames with the free joints first and mimic joints behind them.
 
-    A free joint that a follower carries stands behind it, since parents come first.
+    A free joint that a mimic joint carries stands behind it, since parents come first.
 
     Raises:
         DescriptionError: A leader does not move here.
     """
-    behind: set[int] = set()  # those that follow, and all that they carry
+    behind: set[int] = set()  # mimic joints, and all that they carry
     for i, motion in enumerate(motions):
         if motion.joint.mimic is not None or motion.parent in behind:
             behind.add(i)
@@ -303,8 +303,8 @@ def _free_first(
     for old in order:
         motion = motions[old]
         joint = motion.joint
-        follows = None if joint.mimic is None else _leader(description, joint, at)
-        ordered.append(Motion(joint, index[motion.parent], motion.before, motion.after, follows))
+        mimic = None if joint.mimic is None else _leader(description, joint, at)
+        ordered.append(Motion(joint, index[motion.parent], motion.before, motion.after, mimic))
     return ordered, {name: (index[i], frame) for name, (i, frame) in frames.items()}
 
 
@@ -325,15 +325,15 @@ def _leader(
         assert joint.mimic is not None
         raise joint.mimic.where.error(
             f"joint {joint.name}, mimic",
-            f'follows joint "{last.name}", which does not move here (fixed, or not chosen); a '
-            f"joint follows one that moves; freeze it (lock: {{{joint.name}: VALUE}})",
+            f'mimics joint "{last.name}", which does not move here (fixed, or not chosen); a '
+            f"joint mimics one that moves; freeze it (lock: {{{joint.name}: VALUE}})",
         )
     try:
         return at[last.name], float(multiplier), float(offset)
     except OverflowError:
         assert joint.mimic is not None
         raise joint.mimic.where.error(
-            f"joint {joint.name}, mimic", "out of range with the joints that it follows; correct it"
+            f"joint {joint.name}, mimic", "out of range with the joints that it mimics; correct it"
         ) from None
 
 

@@ -236,7 +236,7 @@ def _by_quaternion(
         )
     if "rpy" in element.attributes:
         raise element.where.error(
-            field, "beside rpy; an origin is turned once; remove one of the two"
+            field, "beside rpy; an origin is rotated once; remove one of the two"
         )
     numbers = vector(element, "quat_xyzw", owner, "0 0 0 1")
     length = sum(number.value**2 for number in numbers) ** 0.5

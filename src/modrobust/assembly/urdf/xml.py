@@ -111,7 +111,7 @@ def parse_xml(data: bytes, name: str) -> Element:
     """
     text = _checked_text(data, name)
     _refuse_doctype(text, name)
-    from lxml import etree  # 30 ms: only who reads XML pays
+    from lxml import etree  # 30 ms, imported late: only XML readers need it
 
     # The encoding is given, so that a declared one (UTF-7, UTF-16) cannot hide what was checked.
     parser = etree.XMLParser(

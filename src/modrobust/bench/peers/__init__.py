@@ -54,11 +54,11 @@ def compare_with_peers(robot: Robot, announce: Announce | None = None) -> PeerRe
     """Measure our times beside those of every peer that is installed; Ctrl-C keeps what is done.
 
     Args:
-        robot: Any robot without joints that follow others.
+        robot: Any robot without mimic joints.
         announce: Told when something begins that takes minutes.
 
     Raises:
-        ValueRangeError: Joints follow others, or a peer's torques differ from ours.
+        ValueRangeError: The robot has mimic joints, or a peer's torques differ from ours.
     """
     require_comparable(robot)
     report = PeerReport(robot.name, robot.n)

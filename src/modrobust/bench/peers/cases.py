@@ -19,7 +19,7 @@ BESIDE = 0.02  # [rad] or [m], how far the desired position may lie from the mea
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """Inputs of a command, ``(k, n)`` each: [rad], [rad/s], [rad/s^2], in metres for slides."""
+    """Inputs of a command, ``(k, n)`` each: [rad], [rad/s], [rad/s^2], [m] for prismatic joints."""
 
     q: Array
     dq: Array

@@ -13,7 +13,7 @@ from modrobust.bench.peers.cases import States, random_states, uncertain_everywh
 from modrobust.bench.peers.compile import Announce, CompilerError, program, toolchain
 from modrobust.bench.peers.timing import Comparison, Timing
 from modrobust.errors import ValueRangeError
-from modrobust.kernel import METHODS
+from modrobust.kernel import BOUNDS
 from modrobust.model import Robot
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ class Subject:
     name: str
     kind: str
     box: int = 0
-    method: str = "hull"
+    bound: str = "hull"
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def pinocchio_cpp(
 
     Raises:
         MissingExtraError: A compiler, Pinocchio or Eigen is missing.
-        ValueRangeError: The robot has joints that follow others, which Pinocchio's algorithm
+        ValueRangeError: The robot has mimic joints, which Pinocchio's algorithm
             does not know; or the two libraries do not agree.
     """
     require_comparable(robot)
@@ -127,10 +127,10 @@ def pinocchio_cpp(
 
 
 def require_comparable(robot: Robot) -> None:
-    """Refuse joints that follow others: Pinocchio's algorithm leaves them free."""
+    """Refuse mimic joints: Pinocchio's algorithm leaves them free."""
     if robot.j != robot.n:
         raise ValueRangeError(
-            f"{robot.name}: {robot.j - robot.n} joints follow others; other libraries take them as "
+            f"{robot.name} has {robot.j - robot.n} mimic joints; other libraries take them as "
             "free, so that times cannot be compared. Lock them or choose a tip before them"
         )
 
@@ -153,7 +153,7 @@ def _job(
 ) -> Iterator[str]:
     """The job in the order in which program.c reads it."""
     robot, *_ = boxes
-    f, c = robot.followers, robot.controller
+    f, c = robot.mimic, robot.controller
     yield _integers([robot.n, robot.j, robot.b])
     yield _integers([kind == "prismatic" for kind in robot.joint_types])
     yield _integers(robot.parents)
@@ -178,7 +178,7 @@ def _job(
         yield _doubles(array)
     yield _integers([len(subjects)])
     for subject in subjects:
-        yield _integers([KINDS.index(subject.kind), subject.box, METHODS[subject.method]])
+        yield _integers([KINDS.index(subject.kind), subject.box, BOUNDS[subject.bound]])
     yield _integers(counts)
 
 

@@ -98,9 +98,9 @@ static mr_model read_model(void) {
     double *gravity = doubles(3);
     memcpy(m.gravity, gravity, sizeof m.gravity);
     free(gravity);
-    double *folded = memory(mr_folded_size(&m), sizeof *folded);
-    mr_fold(&m, folded);
-    m.folded = folded;
+    double *precomputed = memory(mr_precomputed_size(&m), sizeof *precomputed);
+    mr_precompute_model(&m, precomputed);
+    m.precomputed = precomputed;
     return m;
 }
 

@@ -33,7 +33,7 @@ def pinocchio_python(robot: Robot, states: int = 200) -> Comparison:
 
     Raises:
         MissingExtraError: The package pin is not installed.
-        ValueRangeError: The robot has joints that follow others, or the two do not agree.
+        ValueRangeError: The robot has mimic joints, or the two do not agree.
     """
     require_comparable(robot)
     try:
@@ -71,7 +71,7 @@ def numpy_transcription(robot: Robot, states: int = 10) -> Comparison:
     """Our functions against Algorithm 1 written line by line in NumPy, `modrobust.reference`.
 
     Raises:
-        ValueRangeError: The robot has joints that follow others, or the two do not agree.
+        ValueRangeError: The robot has mimic joints, or the two do not agree.
     """
     require_comparable(robot)
     s = random_states(robot, states)
@@ -105,9 +105,9 @@ def _ours(robot: Robot, s: States) -> dict[str, Callable[[], None]]:
         for q, dq, a in zip(s.q, s.dq, s.ddq_des, strict=True):
             inverse_dynamics(robot, q, dq, dq, a)
 
-    def bounds(method: str) -> None:
+    def bounds(bound: str) -> None:
         for q, dq, dq_a, a in zip(s.q, s.dq, s.dq_des, s.ddq_des, strict=True):
-            inverse_dynamics_bounds(everywhere, q, dq, dq_a, a, method)
+            inverse_dynamics_bounds(everywhere, q, dq, dq_a, a, bound)
 
     def command(bound: str) -> None:
         controller = RobustController(everywhere, bound=bound)

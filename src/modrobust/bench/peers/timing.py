@@ -1,7 +1,7 @@
 """Times of several subjects over the same rounds, and their ratios to one of them.
 
 Machines change their speed while they are measured. Every round therefore runs every subject in
-turn, and what is compared are least and median times over the rounds of one run.
+turn, and what is compared are minimum and median times over the rounds of one run.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Timing:
     """Every call timed by itself, (repeats, states) [s], the clock's own cost included."""
 
     @property
-    def least(self) -> float:
+    def minimum(self) -> float:
         """Least over the rounds [s]."""
         return float(self.rounds.min())
 
@@ -54,9 +54,9 @@ class Comparison:
         """The subject of that name."""
         return next(item for item in self.timings if item.name == name)
 
-    def ratio_of_least(self, name: str) -> float:
-        """Least time over the reference's least."""
-        return self.timing(name).least / self.timing(self.reference).least
+    def ratio_of_minima(self, name: str) -> float:
+        """Minimum time over the reference's."""
+        return self.timing(name).minimum / self.timing(self.reference).minimum
 
     def ratio_of_medians(self, name: str) -> float:
         """Median time over the reference's median."""
@@ -72,9 +72,9 @@ class Comparison:
             "subjects": [
                 {
                     "name": item.name,
-                    "least": item.least,
+                    "minimum": item.minimum,
                     "median": item.median,
-                    "ratio_of_least": self.ratio_of_least(item.name),
+                    "ratio_of_minima": self.ratio_of_minima(item.name),
                     "ratio_of_medians": self.ratio_of_medians(item.name),
                     "rounds": len(item.rounds),
                     "alone": None if item.alone is None else _alone(item.alone),
@@ -85,7 +85,7 @@ class Comparison:
 
 
 def _alone(seconds: Array) -> dict[str, Any]:
-    """Statistics over all calls, and over states with each one's least: without interruptions."""
+    """Statistics over all calls, and over states with each one's minimum: without interruptions."""
     return {
         "calls": time_statistics(seconds.ravel()),
         "states": time_statistics(seconds.min(axis=0)),
