@@ -1,4 +1,4 @@
-"""The constants of the rounding bound, added up from the table in docs/theory/guarantees.md."""
+"""The constants of the rounding bound, added up from the table in docs/theory/rounding.md."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from support.paths import ROOT
 
-PAGE = (ROOT / "docs" / "theory" / "guarantees.md").read_text()
+PAGE = (ROOT / "docs" / "theory" / "rounding.md").read_text()
 HEADER = (ROOT / "src" / "modrobust" / "kernel" / "mr_rounding.h").read_text()
 
 
@@ -17,7 +17,7 @@ def counted() -> dict[str, int]:
     """Errors of the operations, from the table of the page."""
     table = PAGE.split("| operation | error | why |")[1].split("\n\n")[0]
     return {
-        name: int(error) for name, error in re.findall(r"^\| ([a-z' ]+) \| (\d+) \|", table, re.M)
+        name: int(error) for name, error in re.findall(r"^\| ([a-z ]+) \| (\d+) \|", table, re.M)
     }
 
 
@@ -35,10 +35,10 @@ def derived() -> dict[str, int]:
     placement = fixed + rotate
     # 1
     rotation = e["sine"] + e["turn"] + 2 * fixed + e["multiply"]
-    lever = placement + e["constant lever"] + axis + scale + add + e["follower's angle"]
+    lever = placement + e["constant lever"] + axis + scale + add + e["mimic angle"]
     turned = rotation + rotate
     # 2
-    rate = axis + scale + e["follower's rate"]
+    rate = axis + scale + e["mimic rate"]
     velocity = turned + add + 2 * rate
     # 3: on dW, on 2 W Wa, on 2 S Wa
     carried = velocity + turned + cross + rate
@@ -50,7 +50,7 @@ def derived() -> dict[str, int]:
     motion = acceleration + 2 * add + placement + add
     # 5
     body = motion + scale + cross + 2 * add + placement + add
-    share = scale + 1  # of a follower, and its multiplier as written
+    share = scale + 1  # of a mimic joint, and its multiplier as written
     nominal = body + lever + cross + dot + axis + add + share
     # 6
     pose = rotation + e["multiply"]
@@ -138,7 +138,7 @@ def test_the_page_states_the_same_rates() -> None:
         assert f"$2^{{{math.log2(stated()[name]):.0f}}}$" in PAGE, name
 
 
-def test_the_angles_of_followers_are_within_the_growth_of_the_rates() -> None:
+def test_the_angles_of_mimic_joints_are_within_the_growth_of_the_rates() -> None:
     rates = derived()
     for uses, kind in ((3, "NOMINAL"), (7, "CHANGE")):
         least = rates[f"{kind}_JOINT"] + rates[f"{kind}_ONCE"]
@@ -150,5 +150,5 @@ def test_a_changed_count_changes_a_constant(monkeypatch: pytest.MonkeyPatch) -> 
     original, base = counted(), derived()
     for name in original:
         halved = {**original, name: original[name] // 2}
-        monkeypatch.setattr("test_rounding_constants.counted", lambda halved=halved: halved)
+        monkeypatch.setitem(globals(), "counted", lambda halved=halved: halved)
         assert derived() != base, name
