@@ -43,7 +43,7 @@ def test_sine_and_cosine_are_within_a_stated_number_of_ulps() -> None:
 def test_the_largest_error_that_was_seen_is_the_one_that_the_pages_say() -> None:
     error = abs(float(arb(_kernel.sincos(WORST)[1]) - arb(WORST).cos()))
     assert error == pytest.approx(ULPS * math.ulp(1.0) / 2.0, rel=1e-3)
-    page = (ROOT / "docs" / "theory" / "guarantees.md").read_text()
+    page = (ROOT / "docs" / "theory" / "rounding.md").read_text()
     assert f"{ULPS} units in the last place, in the cosine of {WORST}," in page
 
 

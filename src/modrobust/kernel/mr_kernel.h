@@ -251,7 +251,7 @@ mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const 
                           int32_t *logged);
 
 /* MR_PLATFORM where the machine or the build does not round as the proof in
- * docs/theory/guarantees.md needs it; to be called once, before anything else. */
+ * docs/theory/rounding.md needs it; to be called once, before anything else. */
 mr_status mr_self_test(void);
 
 /* Sine and cosine for |x| <= MR_ANGLE_MAX; the same bits on every platform. */

@@ -1,5 +1,5 @@
 /* Bound of the rounding error: sizes (25) of the computed motion, times constants of the robot that
- * mr_prepare.c makes, (26). Proof: docs/theory/guarantees.md. */
+ * mr_prepare.c makes, (26). Proof: docs/theory/rounding.md. */
 #include "mr_internal.h"
 #include "mr_rounding.h"
 

@@ -1,4 +1,4 @@
-/* The constants of the rounding bound. docs/theory/guarantees.md derives them from counts of
+/* The constants of the rounding bound. docs/theory/rounding.md derives them from counts of
  * operations; a test adds them up again and compares all with that page. In units of u, the
  * rounding to nearest. */
 #ifndef MR_ROUNDING_H

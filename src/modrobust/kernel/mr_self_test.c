@@ -1,4 +1,4 @@
-/* What the proof of docs/theory/guarantees.md assumes about the machine and the build, tried
+/* What the proof of docs/theory/rounding.md assumes about the machine and the build, tried
  * out. */
 #include "mr_environment.h"
 #include "mr_internal.h"

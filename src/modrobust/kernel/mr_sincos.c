@@ -3,7 +3,7 @@
  * For |x| <= 1e5 the multiple k of pi/2 has at most 16 bits, so that k times the first two parts
  * (33 bits each) is exact; the third part leaves an absolute error below 2^-100. The first
  * omitted Taylor terms, y^19 / 19! and y^18 / 18!, are below 2^-61 relative to the results. The
- * error bound and its proof: docs/theory/guarantees.md. */
+ * error bound and its proof: docs/theory/rounding.md, Lemma 2. */
 #include "mr_internal.h"
 
 static const double TWO_OVER_PI = 0x1.45f306dc9c883p-1;
