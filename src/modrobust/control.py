@@ -21,15 +21,14 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from modrobust import _kernel
 from modrobust.checks import as_array, as_number, as_real, did_you_mean
+from modrobust.checks.types import Array
 from modrobust.errors import ModrobustError, ShapeError, ValueRangeError
 from modrobust.kernel import METHODS, own_environment, status_error
 from modrobust.model import ControllerSettings, Robot, check_robot
-
-Array = NDArray[np.float64]
 
 LAWS: Mapping[str, int] = {"norm": 0}
 

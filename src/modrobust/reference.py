@@ -241,7 +241,7 @@ def mass_matrix(robot: Robot, delta: Parameters, q: Any) -> Any:
 
 def link_frames(robot: Robot, q: Any) -> Any:
     """Link frames in the base frame, (n, 4, 4)."""
-    frames = []
+    frames: list[Any] = []
     for i in range(robot.n):
         joint = np.eye(4, dtype=np.result_type(q, float))
         if robot.joint_types[i] != "prismatic":

@@ -7,15 +7,12 @@ from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.checks import as_array, as_indices, as_real
+from modrobust.checks.types import Array
 from modrobust.errors import ShapeError
 
-Array = NDArray[np.float64]
-
-
-_INDICES = "NDArray[np.int32]"  # as a field is annotated; all other arrays hold float64
+_INDICES = "Ints"  # as a field is annotated; all other arrays hold float64
 
 
 def freeze(instance: object) -> None:

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array, Ints
 from modrobust.model.parameters import freeze, remade
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -70,10 +68,10 @@ class Followers:
     """
 
     names: tuple[str, ...] = ()
-    leaders: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    leaders: Ints = field(default_factory=lambda: np.zeros(0, np.int32))
     multiplier: Array = field(default_factory=lambda: np.zeros(0))
     offset: Array = field(default_factory=lambda: np.zeros(0))  # [rad] or [m]
-    joints: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    joints: Ints = field(default_factory=lambda: np.zeros(0, np.int32))
 
     __reduce__ = remade
 

@@ -14,10 +14,10 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust import _kernel
 from modrobust.checks import as_integer
+from modrobust.checks.types import Array, Flags, Ints
 from modrobust.errors import ValueRangeError, visible
 from modrobust.kernel import own_environment
 from modrobust.model.checks import (
@@ -46,7 +46,6 @@ __all__ = [
     "check_robot",
 ]
 
-Array = NDArray[np.float64]
 
 _REDRAWS = 64
 
@@ -60,7 +59,7 @@ class Robot:
     base: Array  # (4, 4), world to base frame
     joint_names: tuple[str, ...]
     joint_types: tuple[str, ...]  # (j) "revolute", "continuous", "prismatic"; cf. free_types
-    parents: NDArray[np.int32]  # (j,), -1 = base; parents[i] < i
+    parents: Ints  # (j,), -1 = base; parents[i] < i
     before: Array  # (j, 4, 4)
     after: Array  # (j, 4, 4)
     position_limits: Array  # (n, 2) [rad] or [m], infinite where not given
@@ -69,7 +68,7 @@ class Robot:
     gear_ratio: Array  # (j,), 0 where there is no drive
     coulomb_speed: Array  # (j,) [rad/s] or [m/s]
     body_names: tuple[str, ...]
-    body_joints: NDArray[np.int32]  # (b,), -1 = fixed to the base
+    body_joints: Ints  # (b,), -1 = fixed to the base
     placement: Array  # (b, 4, 4), body frame in the link frame
     nominal: Parameters
     lower: Parameters
@@ -167,7 +166,7 @@ class Robot:
         return len(self.body_names)
 
     @cached_property
-    def framed(self) -> NDArray[np.bool_]:
+    def framed(self) -> Flags:
         """Whether the tensor of each body is about its frame's origin, not its COM, (b,)."""
         flags = np.array([about == ABOUT_FRAME for about in self.inertia_about], dtype=np.bool_)
         flags.setflags(write=False)
@@ -187,13 +186,13 @@ class Robot:
         return tuple(names[i] for i in range(self.j))
 
     @cached_property
-    def moves(self) -> NDArray[np.int32]:
+    def moves(self) -> Ints:
         """Index of the joint that entry i of a vector (n,) moves; then of those that follow."""
         free = np.setdiff1d(np.arange(self.j, dtype=np.int32), self.followers.joints)
         return np.concatenate([free, self.followers.joints])
 
     @property
-    def free(self) -> NDArray[np.int32]:
+    def free(self) -> Ints:
         """Indices (n,) of the joints that move freely, ascending."""
         return self.moves[: self.n]
 
@@ -203,17 +202,17 @@ class Robot:
         return tuple(self.joint_types[i] for i in self.free)
 
     @cached_property
-    def turns(self) -> NDArray[np.bool_]:
+    def turns(self) -> Flags:
         """Whether each joint (j,) turns, with limits or without; it slides otherwise."""
         return np.array([kind != "prismatic" for kind in self.joint_types], dtype=bool)
 
     @property
-    def free_turns(self) -> NDArray[np.bool_]:
+    def free_turns(self) -> Flags:
         """Whether each free joint (n,) turns."""
         return np.asarray(self.turns[self.free])
 
     @cached_property
-    def wraps(self) -> NDArray[np.bool_]:
+    def wraps(self) -> Flags:
         """Whether the error (4) of each free joint (n,) is taken less whole turns.
 
         So it is of a continuous joint, unless a joint follows it that slides or turns by another
@@ -369,6 +368,7 @@ class Robot:
                 return inside, self.body_names
         return point, tuple(self.body_names[k] for k in pulled)
 
+    @own_environment()
     def to_dict(self) -> dict[str, Any]:
         """The resolved robot as plain Python, ready for JSON; numbers round-trip exactly.
 

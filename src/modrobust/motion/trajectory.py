@@ -14,17 +14,17 @@ from reprlib import repr as short
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from modrobust import _kernel
 from modrobust.checks import as_integer, as_number, as_real, did_you_mean
+from modrobust.checks.types import Array
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
 from modrobust.model import Robot
 from modrobust.motion.csv import read_trajectory_csv, unwrapped
 from modrobust.motion.spline import CubicSpline
 
-Array = NDArray[np.float64]
 Samples = tuple[Array, Array, Array]
 
 DEFAULT_DURATION = 10.0  # [s]

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust import _kernel
 from modrobust.checks import files, replacing
+from modrobust.checks.types import Array
 from modrobust.control import RobustController
 from modrobust.errors import ModrobustError
 from modrobust.kernel import own_environment
@@ -21,8 +21,6 @@ from modrobust.simulation.divergence import Divergence, find_divergence
 from modrobust.simulation.engine_loop import EngineLoop
 from modrobust.simulation.metrics import CHATTERING_LIMIT, chattering, plain, ratio, time_statistics
 from modrobust.simulation.remarks import remarks
-
-Array = NDArray[np.float64]
 
 _LOG_FILE = (".npz", "a log")
 
@@ -141,6 +139,7 @@ class SimulationResult:
         return 0.0 if s.last_outside < 0.0 else s.last_outside + 1.0 / self.settings["control_rate"]
 
     @property
+    @own_environment()
     def cut_short(self) -> bool:
         """Whether the motion takes longer than the run was to: epsilon is not judged then."""
         whole = self.settings.get("motion_time")

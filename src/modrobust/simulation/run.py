@@ -18,10 +18,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_number, did_you_mean
+from modrobust.checks.types import Array
 from modrobust.control import PerJoint, RobustController, settings_dict
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
@@ -38,8 +39,6 @@ from modrobust.simulation.engine_loop import EngineLoop
 from modrobust.simulation.metrics import plain
 from modrobust.simulation.plants import BUILTIN, check_plant, make_plant
 from modrobust.simulation.result import LOGGED, LoopStatistics, SimulationResult
-
-Array = NDArray[np.float64]
 
 PARAMETER_CHOICES = ("nominal", "lower", "upper", "corner", "random")
 CONTROL_RATE = 50e3  # [Hz]
