@@ -14,7 +14,15 @@ from modrobust.model.parameters import freeze, remade
 class ControllerSettings:
     """Gains of the robust control law; see docs/theory/equations.md, (3) to (8).
 
-    K_r (n,) [1/s] positive; the others non-negative; epsilon [rad] or [m] positive.
+    Args:
+        K_r: Diagonal of K_r, positive, n of them [1/s].
+        law: ``"norm"``, the paper's (7).
+        bound: ``"hull"`` or ``"ianea"``.
+        kappa_P, kappa_I: Gains of kappa, not negative [s/rad], [1/rad^2].
+        phi_P, phi_I: Gains of phi, not negative [N m s/rad], [N m/rad^2].
+        epsilon: Norm of the tracking error within which the integral rests, positive [rad] or [m].
+
+    What takes them, such as `RobustController`, checks them.
     """
 
     K_r: tuple[float, ...]

@@ -68,7 +68,9 @@ class LoopStatistics:
 class SimulationResult:
     """A run of the closed loop, logged about every millisecond; n joints, m logged ticks.
 
-    Positions [rad] or [m], torques [N m] or [N], times [s].
+    The loop is (23) under the command (3); figures are those of Section V of the paper.
+
+    Source: Section V of [GA17].
     """
 
     robot: Robot
@@ -80,30 +82,41 @@ class SimulationResult:
     """Figures over all ticks; None when the run was interrupted before its first chunk."""
     interrupted: bool
     t: Array
-    """Instants, (m,); everything below is (m, n)."""
+    """Instants of the m logged ticks, ``(m,)`` [s]."""
     q: Array
+    """Positions, ``(m, n)`` [rad]."""
     dq: Array
+    """Velocities, ``(m, n)`` [rad/s]."""
     q_des: Array
+    """Desired positions, ``(m, n)`` [rad]."""
     dq_des: Array
+    """Desired velocities, ``(m, n)`` [rad/s]."""
     ddq_des: Array
+    """Desired accelerations, ``(m, n)`` [rad/s^2]."""
     tau: Array
+    """Torques, u of (3), ``(m, n)`` [N m]."""
     w: Array
-    """Perturbation that the true parameters make, (6)."""
+    """Perturbation that the true parameters make, (6), ``(m, n)`` [N m]."""
     phi_lo: Array
-    """Lower bound of w with the run's own method, (12)."""
+    """Lower bound of w with the run's own method, (12), ``(m, n)`` [N m]."""
     phi_hi: Array
+    """Upper bound of w, (12), ``(m, n)`` [N m]."""
     rho: Array
+    """Worst case of each joint, (8), ``(m, n)`` [N m]."""
     width_hull: Array
-    """Width of [Phi] by the exact hull."""
+    """Width of [Phi] by the exact hull, ``(m, n)`` [N m]."""
     width_ianea: Array
-    """Width of [Phi] by Algorithm 1."""
+    """Width of [Phi] by Algorithm 1, ``(m, n)`` [N m]."""
     total_variation: Array
-    """Sum of the torque's changes over all ticks so far."""
+    """Sum of the torque's changes over all ticks so far, ``(m, n)`` [N m]."""
 
     @property
     @own_environment()
     def error(self) -> Array:
-        """Norm of the tracking error e of (4) at the logged ticks, (m,)."""
+        """Norm of the tracking error of (4) at the logged ticks, ``(m,)`` [rad] or [m].
+
+        Source: Section V of [GA17].
+        """
         return np.asarray(np.linalg.norm(self.robot.tracking_error(self.q, self.q_des), axis=1))
 
     @property
@@ -147,10 +160,12 @@ class SimulationResult:
 
     @cached_property
     def command_seconds(self) -> Array:
-        """Time of each command in C [s], from a replay of the logged inputs; perhaps empty.
+        """Time of each command (3) in C, ``(m,)`` [s], from a replay of the logged inputs.
 
         A fresh controller gets the inputs logged at 1 ms, as in Section V of the paper, once to
-        warm up and once to be timed.
+        warm up and once to be timed. Empty where a diverged run cannot be replayed.
+
+        Source: Section V of [GA17].
         """
         if len(self.t) == 0:
             return np.zeros(0)
@@ -199,7 +214,14 @@ class SimulationResult:
     @cached_property
     @own_environment()
     def chattering(self) -> Array | None:
-        """How much each torque shakes, (n,); see `modrobust.simulation.metrics.chattering`."""
+        r"""How much each torque moves over what its samples at 10 Hz do, ``(n,)`` [1].
+
+        .. math:: \sum_k |\tau_k - \tau_{k-1}| \Big/ \sum_j |\tau(t_j) - \tau(t_{j-1})|
+
+        over the last 5 s: over all ticks above, every 0.1 s below. None where a run is shorter.
+
+        Source: our own; `modrobust.simulation.metrics.chattering` has the cases without motion.
+        """
         return chattering(self.t, self.tau, self.total_variation)
 
     @property
