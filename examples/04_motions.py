@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 
 import modrobust as mr
-from modrobust.motion import Quintic
 
 robot = mr.load_robot("scara")
 start = np.zeros(robot.n)
@@ -14,7 +13,7 @@ goal = np.array([0.4, -0.3, 0.02, 0.5])  # [rad], [m] for the prismatic joint
 
 with tempfile.TemporaryDirectory() as folder:
     # Rest to rest through waypoints.
-    motion = Quintic(times=np.array([0.0, 1.0]), points=np.array([start, goal]))
+    motion = mr.Quintic(times=np.array([0.0, 1.0]), points=np.array([start, goal]))
     result = mr.simulate(robot, trajectory=motion, parameters="corner", seed=2)
     print(f"waypoints: ok = {result.ok}, error {result.summary()['error_final']:.5f} at the end")
 

@@ -15,7 +15,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from modrobust.assembly import load_robot
+    from modrobust.assembly import build_robot, builtin_robots, load_robot
     from modrobust.control import Command, RobustController
     from modrobust.dynamics import (
         forward_dynamics,
@@ -26,48 +26,105 @@ if TYPE_CHECKING:
         mass_matrix,
         perturbation_bounds,
     )
-    from modrobust.errors import ModrobustError
-    from modrobust.model import Parameters, Robot
+    from modrobust.errors import (
+        DescriptionError,
+        DivergenceError,
+        FileError,
+        InputError,
+        MissingExtraError,
+        ModrobustError,
+        SeveralFaultsError,
+        ShapeError,
+        SingularMassMatrixError,
+        TimeOrderError,
+        ValueRangeError,
+    )
+    from modrobust.model import Bounded, ControllerSettings, Parameters, Robot
+    from modrobust.motion import (
+        Quintic,
+        Sines,
+        Splined,
+        Trajectory,
+        default_trajectory,
+        make_trajectory,
+        read_trajectory_csv,
+    )
     from modrobust.simulation import SimulationResult, simulate
 
+    __version__: str
+
 __all__ = [
+    "Bounded",
     "Command",
+    "ControllerSettings",
+    "DescriptionError",
+    "DivergenceError",
+    "FileError",
+    "InputError",
+    "MissingExtraError",
     "ModrobustError",
     "Parameters",
+    "Quintic",
     "Robot",
     "RobustController",
+    "SeveralFaultsError",
+    "ShapeError",
     "SimulationResult",
+    "Sines",
+    "SingularMassMatrixError",
+    "Splined",
+    "TimeOrderError",
+    "Trajectory",
+    "ValueRangeError",
+    "__version__",
+    "build_robot",
+    "builtin_robots",
+    "default_trajectory",
     "forward_dynamics",
     "forward_kinematics",
     "inverse_dynamics",
     "inverse_dynamics_bounds",
     "inverse_dynamics_bounds_batch",
     "load_robot",
+    "make_trajectory",
     "mass_matrix",
     "perturbation_bounds",
+    "read_trajectory_csv",
     "simulate",
 ]
 
 _HOMES = {
-    "Command": "control",
-    "ModrobustError": "errors",
-    "Parameters": "model",
-    "Robot": "model",
-    "RobustController": "control",
-    "SimulationResult": "simulation",
-    "load_robot": "assembly",
-    "simulate": "simulation",
+    "assembly": ("build_robot", "builtin_robots", "load_robot"),
+    "control": ("Command", "RobustController"),
+    "model": ("Bounded", "ControllerSettings", "Parameters", "Robot"),
+    "motion": (
+        *("Quintic", "Sines", "Splined", "Trajectory"),
+        *("default_trajectory", "make_trajectory", "read_trajectory_csv"),
+    ),
+    "simulation": ("SimulationResult", "simulate"),
 }
+
+
+def _home(name: str) -> str:
+    """The module below the package that a public name comes from."""
+    if name.endswith("Error"):
+        return "errors"
+    return next((home for home, names in _HOMES.items() if name in names), "dynamics")
 
 
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from modrobust.kernel import own_environment
+    if name == "__version__":
+        from importlib.metadata import version
 
-    with own_environment():  # modules compute their constants when they are imported
-        home = importlib.import_module(f"{__name__}.{_HOMES.get(name, 'dynamics')}")
-    value = globals()[name] = getattr(home, name)
+        value = version(__name__)
+    else:
+        from modrobust.kernel import own_environment
+
+        with own_environment():  # modules compute their constants when they are imported
+            value = getattr(importlib.import_module(f"{__name__}.{_home(name)}"), name)
+    globals()[name] = value
     return value
 
 

@@ -21,15 +21,14 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from modrobust import _kernel
 from modrobust.checks import as_array, as_number, as_real, did_you_mean
+from modrobust.checks.types import Array
 from modrobust.errors import ModrobustError, ShapeError, ValueRangeError
 from modrobust.kernel import BOUNDS, own_environment, status_error
 from modrobust.model import ControllerSettings, Robot, check_robot
-
-Array = NDArray[np.float64]
 
 LAWS: Mapping[str, int] = {"norm": 0}
 
@@ -40,24 +39,24 @@ PerJoint = float | Mapping[str, float] | Sequence[float] | Array
 
 @dataclass(frozen=True, eq=False)
 class Command:
-    """What the controller answers; every vector has shape ``(n,)``, [N m] or [N]."""
+    """What the controller answers; [N] for prismatic joints."""
 
     tau: Array
-    """Torque to apply, u of (3): ``nominal + v``."""
+    """Torque to apply, u of (3): ``nominal + v``, ``(n,)`` [N m]."""
     nominal: Array
-    """Nominal part u_0, the very numbers that [Phi] refers to."""
+    """Nominal part u_0, the very numbers that the set Phi refers to, ``(n,)`` [N m]."""
     v: Array
-    """Robust part, (7)."""
+    """Robust part, (7), ``(n,)`` [N m]."""
     phi_lo: Array
-    """Lower bound of the perturbation, (12)."""
+    """Lower bound of the perturbation, (12), ``(n,)`` [N m]."""
     phi_hi: Array
-    """Upper bound of the perturbation, (12)."""
+    """Upper bound of the perturbation, (12), ``(n,)`` [N m]."""
     rho: Array
-    """Worst case of each joint, (8)."""
+    """Worst case of each joint, (8), ``(n,)`` [N m]."""
     rho_norm: float
-    """Euclidean norm of ``rho``."""
+    """Euclidean norm of ``rho`` [N m]."""
     integral_rate: float
-    """f of the tracking error's norm: how fast the integral of the gains grows."""
+    """f of the tracking error's norm: how fast the integral of the gains grows [rad]."""
 
 
 class RobustController:
@@ -77,8 +76,8 @@ class RobustController:
         bound: How [Phi] is computed: ``"hull"``, the exact hull, or ``"ianea"``, Algorithm 1.
         K_r: Diagonal of K_r [1/s], positive: one number for all joints, a mapping by joint name,
             or ``(n,)``.
-        kappa_P, kappa_I: Gains of kappa, [1], [1/s] per unit of error; not negative.
-        phi_P, phi_I: Gains of phi; not negative.
+        kappa_P, kappa_I: Gains of kappa [s/rad], [1/rad^2]; not negative.
+        phi_P, phi_I: Gains of phi [N m s/rad], [N m/rad^2]; not negative.
         epsilon: Norm of the tracking error within which the integral rests [rad] or [m]; positive.
 
     Raises:
@@ -146,12 +145,12 @@ class RobustController:
         dq_des: ArrayLike,
         ddq_des: ArrayLike,
     ) -> Command:
-        """The torque for the state measured at time ``t``.
+        """The torque for the state measured at time ``t``, (3), (4), (7) and (8).
 
         Args:
             t: Time [s]; not before that of the previous command, but for its rounding.
             q, dq: Measured positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
-            q_des, dq_des, ddq_des: Desired motion at ``t``, ``(n,)``.
+            q_des, dq_des, ddq_des: Desired motion at ``t``, ``(n,)`` [rad], [rad/s], [rad/s^2].
 
         Raises:
             ShapeError: A vector does not have ``n`` entries.
@@ -160,6 +159,8 @@ class RobustController:
             TimeOrderError: ``t`` is before the previous command's; see `reset`.
 
         On an error the integrators are as they were: the next command can follow.
+
+        Source: (3), (4), (7), (8) of [GA17]; kernel twin ``mr_command``.
         """
         time = as_number("t", t, "s")
         if not math.isfinite(time):
@@ -192,14 +193,17 @@ class RobustController:
 
         Args:
             q, dq: Positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
-            q_des, dq_des, ddq_des: Desired motion at the same instant, ``(n,)``.
-            integral: Of f over time, in units of the error times s; not negative. What a solver's
+            q_des, dq_des, ddq_des: Desired motion at the same instant, ``(n,)`` [rad], [rad/s],
+                [rad/s^2].
+            integral: Of f over time [rad s]; not negative. What a solver's
                 error makes of 0, from -1e-6 on, counts as 0.
 
         Raises:
             ShapeError: A vector does not have ``n`` entries.
             ValueRangeError: A number is none, not finite or negative, or an angle is beyond 1e5 rad
                 as for `command`.
+
+        Source: (3), (4), (7), (8) of [GA17]; kernel twin ``mr_command``.
         """
         value = as_number("integral", integral)
         if not (math.isfinite(value) and value >= -SOLVER_ERROR):
@@ -221,12 +225,12 @@ class RobustController:
 
     @property
     def kappa(self) -> float:
-        """kappa(t) at the last command."""
+        """kappa(t) of (7) at the last command [s/rad]."""
         return self.kernel.kappa
 
     @property
     def phi(self) -> float:
-        """phi(t) at the last command."""
+        """phi(t) of (7) at the last command [N m s/rad]."""
         return self.kernel.phi
 
     def time_commands(
@@ -238,10 +242,24 @@ class RobustController:
         dq_des: ArrayLike,
         ddq_des: ArrayLike,
     ) -> Array:
-        """Seconds that each command of a recorded run takes in C, read around the kernel's call.
+        """Seconds that each command, (3), of a recorded run takes in C, read around the call.
 
         The integrators of the replay start at rest and those of this controller stay as they are.
-        ``t`` is ``(k,)``, the others ``(k, n)``.
+
+        Args:
+            t: Instants, ``(k,)`` [s].
+            q, dq: Positions and velocities, ``(k, n)`` [rad], [rad/s].
+            q_des, dq_des, ddq_des: Desired motion, ``(k, n)`` [rad], [rad/s], [rad/s^2].
+
+        Returns:
+            Times, ``(k,)`` [s].
+
+        Raises:
+            ShapeError: An array does not have ``k`` rows of ``n`` entries.
+            ValueRangeError: As for `command`.
+            TimeOrderError: ``t`` goes backwards.
+
+        Source: kernel twin ``mr_command``, between two readings of the processor's clock.
         """
         instants = as_array("t", t, np.shape(t)[:1] or (1,), "one entry a command")
         rows = (len(instants),)

@@ -10,15 +10,14 @@ import os
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_real, as_truth
+from modrobust.checks.types import Array
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import bound_code, status_error
 from modrobust.model import Parameters, Robot, check_robot
-
-Array = NDArray[np.float64]
 
 MAX_THREADS = 4096  # no machine of today has more processors
 

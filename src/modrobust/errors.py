@@ -61,7 +61,7 @@ class DescriptionError(InputError):
         self.field = field
         self.message = message
         where = "" if self.file is None else self.file if line is None else f"{self.file}:{line}"
-        if line is None and where and f"{field}.".startswith(f"{where}."):
+        if line is None and re.match(rf"{re.escape(where)}(\.|\[|$)", field):
             where = ""  # an argument, whose name the field begins with
         super().__init__(": ".join(part for part in (where, field, message) if part))
 

@@ -1,6 +1,7 @@
-"""From files to a `Robot`: module chains and URDFs, options, tolerances, payload, scenarios."""
+"""From files or arguments to a `Robot`: modules, URDFs, tolerances, payload, scenarios."""
 
+from modrobust.assembly.build import build_robot
 from modrobust.assembly.load import load_robot
 from modrobust.assembly.modules.catalogue import builtin_robots
 
-__all__ = ["builtin_robots", "load_robot"]
+__all__ = ["build_robot", "builtin_robots", "load_robot"]

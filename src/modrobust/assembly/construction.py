@@ -6,22 +6,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.assembly.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.assembly.regularity import refuse_singular
 from modrobust.assembly.scenarios import scenario_parameters
 from modrobust.assembly.settings import controller_settings, per_joint, trajectory_settings
 from modrobust.checks import did_you_mean
+from modrobust.checks.types import Array, Flags
 from modrobust.formats import Assembly, JointItem, Quantity
 from modrobust.model import Bounded, MimicJoints, Parameters, Robot
 from modrobust.model.physical import ABOUT_FRAME
 from modrobust.model.sampling import physical_bodies
-
-Array = NDArray[np.float64]
+from modrobust.model.symmetric import ENTRIES
 
 _ZERO = Quantity(0.0, 0.0, 0.0, False)
-_ENTRIES = ("xx", "xy", "xz", "yy", "yz", "zz")
 _SQUARE = [[0, 1, 2], [1, 3, 4], [2, 4, 5]]  # six entries to a tensor
 _DRIVE = (("drive", "rotor_inertia"), ("friction", "viscous"), ("friction", "coulomb"))
 
@@ -170,7 +168,7 @@ def _scenario_notes(
     scenarios: Mapping[str, Parameters],
     body_names: Sequence[str],
     nominal: Parameters,
-    framed: NDArray[np.bool_],
+    framed: Flags,
 ) -> list[str]:
     return [
         f"scenario {name}: {body} has a tensor that no rigid body has"
@@ -228,7 +226,7 @@ def _exact(bodies: Sequence[PlacedBody], joints: Sequence[PlacedJoint]) -> tuple
     names: list[str] = []
     for body in bodies:
         groups = (("mass", ("",), (body.mass,)), ("com", ("x", "y", "z"), body.com))
-        for group, entries, values in (*groups, ("inertia", _ENTRIES, body.inertia)):
+        for group, entries, values in (*groups, ("inertia", ENTRIES, body.inertia)):
             points = [q.lo == q.hi for q in values]
             if all(points):
                 names.append(f"{body.name}.{group}")

@@ -23,7 +23,6 @@ from pathlib import Path
 from reprlib import repr as short
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.assembly.construction import build
 from modrobust.assembly.modules.catalogue import builtin_robots
@@ -33,13 +32,12 @@ from modrobust.assembly.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.assembly.urdf.xml import SUFFIXES as URDF_SUFFIXES
 from modrobust.checks import did_you_mean
 from modrobust.checks.files import kind_of_path
+from modrobust.checks.types import Array
 from modrobust.errors import FileError, ValueRangeError
 from modrobust.formats import Assembly, BodyItem, load_assembly
 from modrobust.kernel import own_environment
 from modrobust.model import Robot
 from modrobust.model.geometry import IDENTITY, Transform
-
-Array = NDArray[np.float64]
 
 
 @own_environment()

@@ -10,12 +10,10 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array
 from modrobust.model import Robot
 from modrobust.model.physical import inertia_about_com
-
-Array = NDArray[np.float64]
 
 _TURNS = 3.0  # cables allow no more; 180 taken as radians is 28.6 turns
 _REACH = 20.0  # [m]

@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from modrobust.assembly.modules.mounting import JointStep
+from modrobust.checks.types import Array
 from modrobust.formats import Quantity
 from modrobust.model import ModuleNode
 from modrobust.model.geometry import IDENTITY, Transform
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,15 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust import _kernel
+from modrobust.checks.types import Array
 from modrobust.errors import DescriptionError
 from modrobust.formats import Where
 from modrobust.model import Robot
 from modrobust.model.definite import singular_joint
-
-Array = NDArray[np.float64]
 
 _SEED = 0
 

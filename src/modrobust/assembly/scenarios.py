@@ -6,17 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.assembly.modules.mounting import JointStep
 from modrobust.checks import did_you_mean
+from modrobust.checks.types import Array
 from modrobust.formats import ListNode, Node, parse_quantity
 from modrobust.model import Parameters
+from modrobust.model.symmetric import PLACES
 
-Array = NDArray[np.float64]
 Index = int | tuple[int, ...]
 
-_ENTRIES = {"xx": (0, 0), "xy": (0, 1), "xz": (0, 2), "yy": (1, 1), "yz": (1, 2), "zz": (2, 2)}
 _FIELDS = ("mass", "com", "inertia", "rotor_inertia", "viscous", "coulomb")
 
 
@@ -66,7 +65,7 @@ def _targets(body_names: Sequence[str], joints: Sequence[JointStep]) -> dict[str
     for k, name in enumerate(body_names):
         found[f"{name}.mass"] = _Target("mass", k, "mass")
         found[f"{name}.com"] = _Target("com", k, "length")
-        for entry, (i, j) in _ENTRIES.items():
+        for entry, (i, j) in PLACES.items():
             found[f"{name}.inertia.{entry}"] = _Target("inertia", (k, i, j), "inertia")
     for k, step in enumerate(joints):
         prismatic = step.item.type == "prismatic"

@@ -10,15 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.assembly.magnitudes import magnitudes
+from modrobust.checks.types import Array
 from modrobust.dynamics import inverse_dynamics_bounds_batch
 from modrobust.kernel import own_environment
 from modrobust.model import ModuleNode, Robot
 from modrobust.model.dh import DHTable
-
-Array = NDArray[np.float64]
 
 POSES = 10_000
 SEED = 0

@@ -15,9 +15,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.bench.found_range import found_range, probe_count
+from modrobust.checks.types import Array
 from modrobust.control import RobustController
 from modrobust.dynamics import perturbation_bounds
 from modrobust.errors import ValueRangeError
@@ -25,8 +25,6 @@ from modrobust.kernel import BOUNDS, own_environment
 from modrobust.model import Robot, synthetic_chain
 from modrobust.simulation import SimulationResult, simulate
 from modrobust.simulation.metrics import plain, ratio, time_statistics
-
-Array = NDArray[np.float64]
 
 # Whole command on a Speedgoat real-time target, Intel Core i7-3770K at 3.5 GHz, signals sampled at
 # 1 ms. Source: Section V of [GA17].

@@ -9,14 +9,13 @@ and what is returned is the torque at the points so found: attained, whatever th
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from modrobust import _kernel
 from modrobust.checks import as_array, as_truth
+from modrobust.checks.types import Array
 from modrobust.kernel import own_environment, status_error
 from modrobust.model import Robot, check_robot
-
-Array = NDArray[np.float64]
 
 _SWEEPS = 4
 _PAIRS = ((0, 1), (0, 2), (1, 2))

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from modrobust.checks.types import Array, Ints
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
-
-Array = NDArray[np.float64]
 
 _DOUBLE = np.dtype(np.float64)
 _KINDS = {
@@ -74,7 +73,7 @@ def as_real(name: str, value: ArrayLike, expected: str) -> Array:
     raise ValueRangeError(f"{name}: holds {_found(array)}; expected {expected}")
 
 
-def as_indices(name: str, value: ArrayLike) -> NDArray[np.int32]:
+def as_indices(name: str, value: ArrayLike) -> Ints:
     """An int32 array of any shape, from whole numbers that it can hold; a list may be empty.
 
     Raises:

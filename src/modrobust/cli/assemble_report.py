@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from rich.tree import Tree
 
     from modrobust.assembly.summary import Masses, Report
+    from modrobust.checks.types import Array
     from modrobust.model import ModuleNode, Robot
     from modrobust.model.dh import DHTable
-    from modrobust.model.robot import Array
 
 
 def print_report(robot: Robot, report: Report) -> None:

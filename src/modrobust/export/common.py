@@ -7,13 +7,11 @@ from dataclasses import dataclass, replace
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array, Flags
 from modrobust.errors import ShapeError
 from modrobust.model import Parameters, Robot
 from modrobust.model.physical import inertia_about_com
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -122,7 +120,7 @@ def without_bounds(robot: Robot) -> list[str]:
     return lost
 
 
-def listed(robot: Robot, which: Array | NDArray[np.bool_]) -> str:
+def listed(robot: Robot, which: Array | Flags) -> str:
     """Names of the joints for which `which` (n,) or (j,) holds; "every joint" for all."""
     names = robot.joint_names if len(which) == robot.n else robot.all_joint_names
     chosen = [name for name, yes in zip(names, which, strict=True) if yes]

@@ -9,13 +9,11 @@ from __future__ import annotations
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array
 from modrobust.export.common import body_origin, joint_origin, joint_range, number, numbers
 from modrobust.model import Parameters, Robot
 from modrobust.model.orientation import quaternion
-
-Array = NDArray[np.float64]
 
 _LINK = "0.86 0.87 0.88 1"
 _JOINT = "0.95 0.45 0.10 1"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array
 from modrobust.errors import ValueRangeError
 from modrobust.export.common import (
     Exported,
@@ -27,8 +27,6 @@ from modrobust.kernel import own_environment
 from modrobust.model import Parameters, Robot
 from modrobust.model.orientation import quaternion
 from modrobust.model.physical import excess
-
-Array = NDArray[np.float64]
 
 TIMESTEP = 1e-3  # [s]
 _LEAST = 1e-12  # [kg], [kg m^2]: MuJoCo refuses moving bodies of less than 1e-15

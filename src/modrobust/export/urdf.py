@@ -5,8 +5,8 @@ from __future__ import annotations
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array, Flags
 from modrobust.export.common import (
     Exported,
     Names,
@@ -26,8 +26,6 @@ from modrobust.export.common import (
 from modrobust.kernel import own_environment
 from modrobust.model import Parameters, Robot
 from modrobust.model.orientation import roll_pitch_yaw
-
-Array = NDArray[np.float64]
 
 NO_LIMIT = 1e9  # written where URDF demands a limit and none is known [N m, N, rad/s, m/s, m]
 _STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], what readers of URDF assume
@@ -186,7 +184,7 @@ def _lost(robot: Robot, point: Parameters) -> list[str]:
     return lost
 
 
-def _without_limit(robot: Robot, limits: Array) -> NDArray[np.bool_]:
+def _without_limit(robot: Robot, limits: Array) -> Flags:
     """Which of the j joints have no finite limit; mimic joints have none of their own."""
     everything = np.ones(robot.j, dtype=np.bool_)
     everything[robot.free] = ~np.isfinite(limits)

@@ -17,6 +17,7 @@ from modrobust.formats.items import (
     Assembly,
     Controller,
     Csv,
+    Module,
     NestedItem,
     Payload,
     Quintic,
@@ -66,8 +67,27 @@ def load_assembly(path: str | Path) -> Assembly:
     check_kind(root, "robot", "module", "a module file", "an assembly")
     model = check(AssemblyModel, root, ModuleFields(root).name)
     check_stem(root.entries["robot"], model.robot, path, "robot")
-    directory = Path(path).parent
-    notes = list(model.notes or ())
+    return resolved(model, Path(path), Path(path).parent)
+
+
+def resolved(
+    model: AssemblyModel,
+    file: Path,
+    directory: Path,
+    parts: Module | None = None,
+) -> Assembly:
+    """The assembly of a model whose structure is checked.
+
+    Args:
+        model: What is written.
+        file: Where it is written.
+        directory: What the paths in it are relative to.
+        parts: The chain, where it is not of modules alone and therefore not in the model.
+
+    Raises:
+        DescriptionError: A value is at fault.
+    """
+    notes = [*(model.notes or ()), *(parts.remarks if parts else ())]
     base = model.base
     scenarios = model.scenarios or {}
     faults = Faults()
@@ -75,7 +95,7 @@ def load_assembly(path: str | Path) -> Assembly:
     initial = (model.initial.q, model.initial.dq) if model.initial else (None, None)
     assembly = Assembly(
         name=model.robot,
-        file=Path(path),
+        file=file,
         modules=attempt(lambda: _directories(model, directory), ()),
         base=attempt(
             lambda: pose_matrix(base.xyz if base else None, base.rpy if base else None, "base"),
@@ -84,7 +104,7 @@ def load_assembly(path: str | Path) -> Assembly:
         gravity=attempt(
             lambda: GRAVITY if model.gravity is None else read_gravity(model.gravity), GRAVITY
         ),
-        chain=attempt(lambda: _chain(model), ()),
+        chain=attempt(lambda: _chain(model), ()) if parts is None else parts.items,
         payload=attempt(
             lambda: None if model.payload is None else read_payload(model.payload, notes), None
         ),
@@ -97,7 +117,7 @@ def load_assembly(path: str | Path) -> Assembly:
         initial_dq=attempt(lambda: _per_joint(initial[1], "initial.dq", "velocity"), None),
         scenarios={name: dict(scenario.set) for name, scenario in scenarios.items()},
         where=model.where,
-        urdf=attempt(lambda: _urdf(model, directory), None),
+        urdf=attempt(lambda: _urdf(model, directory), None) if parts is None else None,
         source=model.source or (),
         notes=tuple(notes),
         scenario_notes={

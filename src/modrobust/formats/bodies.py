@@ -7,7 +7,6 @@ from fractions import Fraction
 
 from modrobust.formats.exact import Enclosure
 from modrobust.formats.inertia import (
-    ENTRIES,
     box_is_physical,
     check_physical,
     largest_principal_moment,
@@ -17,6 +16,7 @@ from modrobust.formats.nodes import Node, Where
 from modrobust.formats.part_models import InertiaModel
 from modrobust.formats.quantity import Quantity, Written, parse_vector, parse_written
 from modrobust.formats.tolerance import Tolerances
+from modrobust.model.symmetric import ENTRIES
 
 _NO_INERTIA = Enclosure(Fraction(0), Fraction(0))
 

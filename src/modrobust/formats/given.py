@@ -33,9 +33,18 @@ def given_mapping(value: object, name: str, example: str) -> MapNode:
         raise ValueRangeError(f"{name}: {short(value)}; must be a text or a mapping; {example}")
     if not value:
         raise ValueRangeError(f"{name}: an empty mapping; {example}")
-    node = _node(value, name, Where(name, None), 0)
+    node = given_node(value, name)
     assert isinstance(node, MapNode)
     return node
+
+
+def given_node(value: object, name: str) -> Node:
+    """The node that a number, a text, a list or a mapping says; numbers are in SI units.
+
+    Raises:
+        ValueRangeError: Something in it is none of these; `name` and the path in it say where.
+    """
+    return _node(value, name, Where(name, None), 0)
 
 
 def _node(value: object, name: str, where: Where, depth: int) -> Node:

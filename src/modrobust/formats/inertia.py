@@ -15,16 +15,13 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array
 from modrobust.formats.exact import Enclosure, nearest
 from modrobust.formats.nodes import Where
 from modrobust.formats.quantity import Quantity, Written
 from modrobust.model.physical import TRIANGLE as _TRIANGLE
-from modrobust.model.symmetric import eigenvalues, largest_eigenvalue
-
-ENTRIES = ("xx", "xy", "xz", "yy", "yz", "zz")
-_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+from modrobust.model.symmetric import PLACES, eigenvalues, largest_eigenvalue
 
 Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
 
@@ -33,7 +30,7 @@ def steiner(mass: Fraction, com: Sequence[Fraction]) -> Tensor:
     """m (c'c 1 - c c'): what a mass away from the reference point adds to the tensor."""
     square = sum((c * c for c in com), Fraction(0))
     xx, xy, xz, yy, yz, zz = (
-        mass * ((square if i == j else 0) - com[i] * com[j]) for i, j in _PAIRS
+        mass * ((square if i == j else 0) - com[i] * com[j]) for i, j in PLACES.values()
     )
     return xx, xy, xz, yy, yz, zz
 
@@ -151,7 +148,7 @@ def box_body(mass: Written, size: Sequence[Written], where: Where, field: str) -
     bounded = mass.bounded or any(edge.bounded for edge in size)
     zero = Enclosure(Fraction(0), Fraction(0))
     entries = []
-    for i, j in _PAIRS:
+    for i, j in PLACES.values():
         if i != j:
             entries.append(Written(zero, None, None, None, where, field))
             continue
@@ -181,12 +178,12 @@ def _moved_by(mass: float, com: Sequence[float]) -> list[float]:
     ]
 
 
-def _moments(entries: Sequence[float]) -> NDArray[np.float64]:
+def _moments(entries: Sequence[float]) -> Array:
     """Principal moments in ascending order."""
-    moments: NDArray[np.float64] = eigenvalues(_matrices(np.array([entries])))[0]
+    moments: Array = eigenvalues(_matrices(np.array([entries])))[0]
     return moments
 
 
-def _matrices(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+def _matrices(rows: Array) -> Array:
     """Six entries a row as symmetric matrices, shape ``(k, 3, 3)``."""
     return rows[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)

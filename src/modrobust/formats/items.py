@@ -108,6 +108,14 @@ class Module:
     notes: tuple[str, ...]
     where: Where
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """The notes, and that some tolerances apply to nothing."""
+        if not self.unused_tolerances:
+            return self.notes
+        unused = ", ".join(self.unused_tolerances)
+        return (*self.notes, f"tolerance without a parameter it applies to: {unused}")
+
 
 @dataclass(frozen=True)
 class Payload:
@@ -176,7 +184,7 @@ class Assembly:
     modules: tuple[Path, ...]  # directories to search first
     base: Transform  # world to base frame
     gravity: tuple[float, float, float]  # [m/s^2], world axes
-    chain: tuple[NestedItem, ...]
+    chain: tuple[Item, ...]  # of a file: modules
     payload: Payload | None
     disturbance: PerJoint | None  # [N m] or [N]
     controller: Controller

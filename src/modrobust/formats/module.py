@@ -80,9 +80,9 @@ class ModuleFile:
     def module(self, overrides: Mapping[str, Node] | None = None) -> Module:
         """The module in SI units, see `load_module`."""
         if not overrides:
-            return _resolve(self._model)
+            return resolved_module(self._model)
         root = overridden(self._root, self._model, overrides)
-        return _resolve(check(ModuleModel, root, ModuleFields(root).name))
+        return resolved_module(check(ModuleModel, root, ModuleFields(root).name))
 
 
 def check_kind(root: MapNode, own: str, other: str, found: str, wanted: str) -> None:
@@ -135,7 +135,8 @@ def entry_field(node: Node | None, kind: str, field: str) -> str:
     return field
 
 
-def _resolve(model: ModuleModel) -> Module:
+def resolved_module(model: ModuleModel) -> Module:
+    """The module of a model whose structure is checked, see `load_module`."""
     tolerances = Tolerances(model.tolerance)
     notes = list(model.notes or ())
     items: list[Item] = []

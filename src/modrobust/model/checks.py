@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array, Flags, Ints
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.model.parts import MimicJoints
 from modrobust.model.physical import ABOUT_COM, ABOUT_FRAME
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 _RIGID = 1e-9  # how far a rotation matrix may be from orthonormal; URDF angles have few digits
 
@@ -84,7 +81,7 @@ def check_rigid(name: str, transforms: Array) -> None:
         )
 
 
-def is_rotation(R: Array, tolerance: float) -> NDArray[np.bool_]:
+def is_rotation(R: Array, tolerance: float) -> Flags:
     """Which of the matrices ``(..., 3, 3)`` are right-handed with R R' - 1 within a tolerance.
 
     Entry by entry: what BLAS answers at the edge depends on the processor.
@@ -95,9 +92,7 @@ def is_rotation(R: Array, tolerance: float) -> NDArray[np.bool_]:
     normal = np.stack(
         [x[..., i] * y[..., j] - x[..., j] * y[..., i] for i, j in ((1, 2), (2, 0), (0, 1))], -1
     )
-    right: NDArray[np.bool_] = (np.max([*unit, *across], axis=0) <= tolerance) & (
-        _dot(normal, z) > 0.0
-    )
+    right: Flags = (np.max([*unit, *across], axis=0) <= tolerance) & (_dot(normal, z) > 0.0)
     return right
 
 

@@ -10,12 +10,10 @@ from __future__ import annotations
 from dataclasses import fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust import _kernel
+from modrobust.checks.types import Array
 from modrobust.model.parameters import Parameters
-
-Array = NDArray[np.float64]
 
 POSES = 16
 _SEED = 0

@@ -25,11 +25,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array, Ints
 from modrobust.model.geometry import arctan2, cos_sin, rotation_z, translation
-
-Array = NDArray[np.float64]
 
 _PARALLEL = 2e-14  # sine of the angle between axes; what products of rotations leave of an exact 0
 _MERGED = 1e-8  # below it, taking the axes as parallel errs less than the run-away common normal
@@ -75,7 +73,7 @@ class _Step:
     near_parallel: bool
 
 
-def dh_table(parents: Sequence[int] | NDArray[np.int32], before: Array, after: Array) -> DHTable:
+def dh_table(parents: Sequence[int] | Ints, before: Array, after: Array) -> DHTable:
     """Standard D-H table of a serial chain.
 
     Args:

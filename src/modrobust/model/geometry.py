@@ -33,11 +33,10 @@ from decimal import (
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array
 from modrobust.errors import ValueRangeError
 
-Array = NDArray[np.float64]
 Real = float | Fraction | Decimal
 Row = tuple[Decimal, Decimal, Decimal, Decimal]
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from modrobust.checks.types import Array
 
 _GIMBAL = 2.0**-52  # cos(pitch) below which roll and yaw are one angle
 

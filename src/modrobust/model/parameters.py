@@ -7,15 +7,12 @@ from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.checks import as_array, as_indices, as_real
+from modrobust.checks.types import Array
 from modrobust.errors import ShapeError
 
-Array = NDArray[np.float64]
-
-
-_INDICES = "NDArray[np.int32]"  # as a field is annotated; all other arrays hold float64
+_INDICES = "Ints"  # as a field is annotated; all other arrays hold float64
 
 
 def freeze(instance: object) -> None:
@@ -50,7 +47,15 @@ def remade(instance: object) -> tuple[type, tuple[object, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Bounded:
-    """A nominal value with hard closed bounds, arrays of one shape."""
+    """A nominal value with hard closed bounds, arrays of one shape.
+
+    Args:
+        nominal: The value that a controller computes with, ``(n,)`` [N m] or [N].
+        lo, hi: Ends of the interval, both in it, ``(n,)`` [N m] or [N].
+
+    Raises:
+        ValueRangeError: An array holds something else than real numbers.
+    """
 
     nominal: Array
     lo: Array
@@ -66,11 +71,17 @@ class Bounded:
 class Parameters:
     """One point of the dynamic parameters, in the order of the robot's bodies and joints.
 
-    mass (b,) [kg]; com (b, 3) [m] in body axes; inertia (b, 3, 3) [kg m^2] in body axes, tensor
-    entries, about the COM, or about the body frame's origin where the robot's `inertia_about` says
-    "frame"; rotor_inertia (n,) [kg m^2] motor side; viscous (n,) [N m s/rad] or [N s/m]; coulomb
-    (n,) [N m] or [N], joint side; with mimic joints, one entry for each of them too.
-    The arrays are copied and read-only.
+    The arrays are copied and read-only. With mimic joints, arrays of joint data have one entry
+    for each of them too.
+
+    Args:
+        mass: ``(b,)`` [kg].
+        com: Centres of mass in body axes, ``(b, 3)`` [m].
+        inertia: Tensors in body axes, ``(b, 3, 3)`` [kg m^2], about the COM, or about the body
+            frame's origin where the robot's `inertia_about` says "frame".
+        rotor_inertia: Motor side, ``(n,)`` [kg m^2].
+        viscous: Friction on the joint's side, ``(n,)`` [N m s/rad] or [N s/m].
+        coulomb: Friction on the joint's side, ``(n,)`` [N m] or [N].
 
     Raises:
         ShapeError: The arrays do not agree in b or in n, or an inertia is not symmetric.
@@ -97,7 +108,14 @@ class Parameters:
 
     @cached_property
     def packed(self) -> Array:
-        """All parameters in the kernel's order, one contiguous vector (10 b + 3 n,)."""
+        r"""All parameters in the kernel's order, one contiguous vector ``(10 b + 3 n,)``.
+
+        .. math:: \Delta = (m, c, I_{xx}, I_{xy}, I_{xz}, I_{yy}, I_{yz}, I_{zz}, I_m, F_v, F_c)
+
+        each for all bodies, or joints, in [kg], [m], [kg m^2] and as for the fields.
+
+        Source: Section III of [GA17].
+        """
         i = self.inertia
         six = np.stack([i[:, 0, 0], i[:, 0, 1], i[:, 0, 2], i[:, 1, 1], i[:, 1, 2], i[:, 2, 2]], 1)
         parts = (self.mass, self.com, six, self.rotor_inertia, self.viscous, self.coulomb)

@@ -5,18 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array, Ints
 from modrobust.model.parameters import freeze, remade
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class ControllerSettings:
     """Gains of the robust control law; see docs/theory/equations.md, (3) to (8).
 
-    K_r (n,) [1/s] positive; the others non-negative; epsilon [rad] or [m] positive.
+    Args:
+        K_r: Diagonal of K_r, positive, n of them [1/s].
+        law: ``"norm"``, the paper's (7).
+        bound: ``"hull"`` or ``"ianea"``.
+        kappa_P, kappa_I: Gains of kappa, not negative [s/rad], [1/rad^2].
+        phi_P, phi_I: Gains of phi, not negative [N m s/rad], [N m/rad^2].
+        epsilon: Norm of the tracking error within which the integral rests, positive [rad] or [m].
+
+    What takes them, such as `RobustController`, checks them.
     """
 
     K_r: tuple[float, ...]
@@ -70,10 +76,10 @@ class MimicJoints:
     """
 
     names: tuple[str, ...] = ()
-    leaders: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    leaders: Ints = field(default_factory=lambda: np.zeros(0, np.int32))
     multiplier: Array = field(default_factory=lambda: np.zeros(0))
     offset: Array = field(default_factory=lambda: np.zeros(0))  # [rad] or [m]
-    joints: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    joints: Ints = field(default_factory=lambda: np.zeros(0, np.int32))
 
     __reduce__ = remade
 

@@ -18,11 +18,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array, Flags
 from modrobust.model.symmetric import eigenvalues
-
-Array = NDArray[np.float64]
 
 ABOUT_COM, ABOUT_FRAME = "com", "frame"  # what a body's tensors are about
 TRIANGLE = 1e-9  # relative: flat bodies lie on the boundary, printed figures just beside it
@@ -39,7 +37,7 @@ def steiner(mass: Array, com: Array) -> Array:
     return moved
 
 
-def inertia_about_com(mass: Array, com: Array, inertia: Array, framed: NDArray[np.bool_]) -> Array:
+def inertia_about_com(mass: Array, com: Array, inertia: Array, framed: Flags) -> Array:
     """Tensors about the COM (..., 3, 3); those of bodies that are `framed` (...) are moved there.
 
     docs/theory/equations.md, (16f). The others come back bit by bit.
@@ -61,7 +59,7 @@ def least_moment(inertia: Array) -> Array:
     return np.asarray(eigenvalues(inertia)[..., 0])
 
 
-def is_physical(inertia: Array, nominal: Array, moved: Array | float = 0.0) -> NDArray[np.bool_]:
+def is_physical(inertia: Array, nominal: Array, moved: Array | float = 0.0) -> Flags:
     """Whether tensors ``(..., 3, 3)`` are physical, or at least no less so than the nominal one.
 
     A thin rod lies on the boundary of the physical set and the rounding of its figures may put it a
@@ -75,13 +73,11 @@ def is_physical(inertia: Array, nominal: Array, moved: Array | float = 0.0) -> N
     lacking = np.minimum(0.0, least_second_moment(nominal))
     second = least_second_moment(inertia) >= lacking - rounding
     least = np.minimum(0.0, least_moment(nominal)) - 4.0 * rounding
-    result: NDArray[np.bool_] = second & ((lacking == 0.0) | (least_moment(inertia) >= least))
+    result: Flags = second & ((lacking == 0.0) | (least_moment(inertia) >= least))
     return result
 
 
-def are_physical(
-    mass: Array, com: Array, inertia: Array, framed: NDArray[np.bool_], nominal: Array
-) -> NDArray[np.bool_]:
+def are_physical(mass: Array, com: Array, inertia: Array, framed: Flags, nominal: Array) -> Flags:
     """`is_physical` for bodies (...) as they are given; `nominal` is about the COM.
 
     Args:
@@ -96,9 +92,7 @@ def are_physical(
     return is_physical(at_com, nominal, moved)
 
 
-def last_inside(
-    nominal: Array, point: Array, inside: Callable[[Array], NDArray[np.bool_]]
-) -> Array:
+def last_inside(nominal: Array, point: Array, inside: Callable[[Array], Flags]) -> Array:
     """The last point found, on the straight way from nominal to `point`, that is inside.
 
     The nominal one counts as inside. `inside` takes a stack ``(k, ...)`` of points, gives ``(k,)``.

@@ -14,11 +14,11 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust import _kernel
 from modrobust.checks import as_integer
-from modrobust.errors import ValueRangeError, visible
+from modrobust.checks.types import Array, Flags, Ints
+from modrobust.errors import ShapeError, ValueRangeError, visible
 from modrobust.kernel import own_environment
 from modrobust.model.checks import (
     check_abouts,
@@ -46,52 +46,80 @@ __all__ = [
     "check_robot",
 ]
 
-Array = NDArray[np.float64]
 
 _REDRAWS = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot with n free joints, j joints in all and b bodies, checked when made; immutable."""
+    r"""A robot with n free joints, j joints in all and b bodies, checked when made; immutable.
+
+    .. math:: T_i = \mathrm{before}_i\, J_i(q_i)\, \mathrm{after}_i
+
+    takes coordinates in link frame i to those of its parent's, (14).
+
+    Raises:
+        ShapeError: An array does not fit the number of joints or bodies.
+        ValueRangeError: A number is not finite, a transform not rigid, bounds do not enclose the
+            nominal value, or parents do not make a tree.
+
+    Source: (14) to (16); [GA17] for a serial arm.
+    """
 
     name: str
-    gravity: Array  # (3,) [m/s^2], world axes
-    base: Array  # (4, 4), world to base frame
+    gravity: Array
+    """In world axes, ``(3,)`` [m/s^2]."""
+    base: Array
+    """World to base frame, ``(4, 4)`` [m]."""
     joint_names: tuple[str, ...]
-    joint_types: tuple[str, ...]  # (j) "revolute", "continuous", "prismatic"; cf. free_types
-    parents: NDArray[np.int32]  # (j,), -1 = base; parents[i] < i
-    before: Array  # (j, 4, 4)
-    after: Array  # (j, 4, 4)
-    position_limits: Array  # (n, 2) [rad] or [m], infinite where not given
-    velocity_limits: Array  # (n,) [rad/s] or [m/s], infinite where not given
-    effort_limits: Array  # (n,) [N m] or [N], infinite where not given
-    gear_ratio: Array  # (j,), 0 where there is no drive
-    coulomb_speed: Array  # (j,) [rad/s] or [m/s]
+    """Of the n joints that move freely."""
+    joint_types: tuple[str, ...]
+    """Of the j joints: "revolute", "continuous" or "prismatic"; see `free_types`."""
+    parents: Ints
+    """Index of the parent of each joint, ``(j,)``; -1 = base; parents[i] < i."""
+    before: Array
+    """B of (14), ``(j, 4, 4)`` [m]."""
+    after: Array
+    """E of (14), ``(j, 4, 4)`` [m]."""
+    position_limits: Array
+    """``(n, 2)`` [rad] or [m], infinite where not given."""
+    velocity_limits: Array
+    """``(n,)`` [rad/s] or [m/s], infinite where not given."""
+    effort_limits: Array
+    """``(n,)`` [N m] or [N], infinite where not given."""
+    gear_ratio: Array
+    """Motor over joint, ``(j,)`` [1] or [rad/m]; 0 where there is no drive."""
+    coulomb_speed: Array
+    """Speed at which Coulomb friction is full, (20), ``(j,)`` [rad/s] or [m/s]."""
     body_names: tuple[str, ...]
-    body_joints: NDArray[np.int32]  # (b,), -1 = fixed to the base
-    placement: Array  # (b, 4, 4), body frame in the link frame
+    body_joints: Ints
+    """Joint that each body moves with, ``(b,)``; -1 = fixed to the base."""
+    placement: Array
+    """Body frame in the link frame, ``(b, 4, 4)`` [m]."""
     nominal: Parameters
     lower: Parameters
     upper: Parameters
-    disturbance: Bounded  # (n,) [N m] or [N]
+    disturbance: Bounded
+    """[d] of (9), ``(n,)`` [N m] or [N]."""
     controller: ControllerSettings
     exact: tuple[str, ...] = ()
     not_modelled: tuple[str, ...] = ()
-    notes: tuple[
-        str, ...
-    ] = ()  # assumptions and remarks for the user, e.g. a payload as a point mass
+    notes: tuple[str, ...] = ()
+    """Assumptions and remarks for the user, e.g. a payload as a point mass."""
     scenarios: Mapping[str, Parameters] = field(default_factory=dict)
     trajectory: TrajectorySettings | None = None
-    initial_q: Array | None = None  # (n,), None = start on the trajectory
+    initial_q: Array | None = None
+    """``(n,)`` [rad] or [m]; None = start on the trajectory."""
     initial_dq: Array | None = None
+    """``(n,)`` [rad/s] or [m/s]; None = start on the trajectory."""
     modules: tuple[ModuleNode, ...] = ()
     mimic: MimicJoints = field(default_factory=MimicJoints)
     version: int = 1
-    # (n,) [rad/s^2] or [m/s^2], infinite where not given
     acceleration_limits: Array = field(default_factory=lambda: np.zeros(0))
+    """``(n,)`` [rad/s^2] or [m/s^2], infinite where not given."""
     scenario_notes: Mapping[str, str] = field(default_factory=dict)
-    inertia_about: tuple[str, ...] = ()  # (b) "com" or "frame"; none given = the COM for all
+    inertia_about: tuple[str, ...] = ()
+    """Of the b tensors: "com" or "frame"; none given = the COM for all."""
 
     __reduce__ = remade
 
@@ -167,7 +195,7 @@ class Robot:
         return len(self.body_names)
 
     @cached_property
-    def framed(self) -> NDArray[np.bool_]:
+    def framed(self) -> Flags:
         """Whether the tensor of each body is about its frame's origin, not its COM, (b,)."""
         flags = np.array([about == ABOUT_FRAME for about in self.inertia_about], dtype=np.bool_)
         flags.setflags(write=False)
@@ -187,13 +215,13 @@ class Robot:
         return tuple(names[i] for i in range(self.j))
 
     @cached_property
-    def moves(self) -> NDArray[np.int32]:
+    def moves(self) -> Ints:
         """Index of the joint that entry i of a vector (n,) moves; then of mimic joints."""
         free = np.setdiff1d(np.arange(self.j, dtype=np.int32), self.mimic.joints)
         return np.concatenate([free, self.mimic.joints])
 
     @property
-    def free(self) -> NDArray[np.int32]:
+    def free(self) -> Ints:
         """Indices (n,) of the joints that move freely, ascending."""
         return self.moves[: self.n]
 
@@ -203,17 +231,17 @@ class Robot:
         return tuple(self.joint_types[i] for i in self.free)
 
     @cached_property
-    def turns(self) -> NDArray[np.bool_]:
+    def turns(self) -> Flags:
         """Whether each joint (j,) turns, with limits or without; it slides otherwise."""
         return np.array([kind != "prismatic" for kind in self.joint_types], dtype=bool)
 
     @property
-    def free_turns(self) -> NDArray[np.bool_]:
+    def free_turns(self) -> Flags:
         """Whether each free joint (n,) turns."""
         return np.asarray(self.turns[self.free])
 
     @cached_property
-    def wraps(self) -> NDArray[np.bool_]:
+    def wraps(self) -> Flags:
         """Whether the error (4) of each free joint (n,) is taken less whole turns.
 
         So it is of a continuous joint, unless a mimic joint of it is prismatic or turns by another
@@ -228,11 +256,30 @@ class Robot:
 
     @own_environment()
     def tracking_error(self, q: Array, q_des: Array) -> Array:
-        """The error e of (4), ``(n,)`` or ``(k, n)`` [rad] or [m]: what the controller acts on.
+        """The error of (4), ``(n,)`` or ``(k, n)`` [rad] or [m]: what the controller acts on.
 
         q_des - q; of a joint that wraps less the whole turns that leave at most half a one, where
         both angles are ones that the controller takes.
+
+        Args:
+            q: Positions, ``(n,)`` or ``(k, n)`` [rad] or [m]; they may be infinite.
+            q_des: Desired positions, of the same shape, ``(n,)`` or ``(k, n)`` [rad] or [m].
+
+        Returns:
+            q_des - q less whole turns, ``(n,)`` or ``(k, n)`` [rad] or [m].
+
+        Raises:
+            ShapeError: The arrays differ in shape, or do not have ``n`` columns.
+
+        Source: (4) of [GA17]; whole turns are ours.
         """
+        for name, x in (("q", q), ("q_des", q_des)):
+            if np.shape(x) != np.shape(q) or np.shape(x)[-1:] != (self.n,):
+                shape = (*np.shape(q)[:-1], self.n)
+                raise ShapeError(
+                    f'{name}: expected shape {shape}, got {np.shape(x)}; robot "{self.name}" has '
+                    f"{self.n} joints"
+                )
         error = np.asarray(q_des - q, dtype=np.float64)
         if not self.wraps.any():
             return error
@@ -247,7 +294,24 @@ class Robot:
 
     @own_environment()
     def all_positions(self, q: Array) -> Array:
-        """Positions of the j joints (..., j) for those of the free ones (..., n), (15)."""
+        """Positions of the j joints for those of the n free ones, (15).
+
+        Args:
+            q: Positions of the free joints, ``(..., n)`` [rad] or [m].
+
+        Returns:
+            Positions of all joints, ``(..., j)`` [rad] or [m].
+
+        Raises:
+            ShapeError: ``q`` does not have ``n`` columns.
+
+        Source: (15).
+        """
+        if np.shape(q)[-1:] != (self.n,):
+            raise ShapeError(
+                f'q: expected {self.n} columns, got shape {np.shape(q)}; robot "{self.name}" has '
+                f"{self.n} joints"
+            )
         f = self.mimic
         everything = np.empty((*np.shape(q)[:-1], self.j))
         everything[..., self.free] = q
@@ -287,7 +351,7 @@ class Robot:
         """Moving bodies whose nominal figures no rigid body has, and by how much.
 
         That is how far the largest principal moment is above the sum of the other two, relative to
-        that sum; infinite for a moment about one axis alone, and for a tensor without mass.
+        that sum [1]; infinite for a moment about one axis alone, and for a tensor without mass.
         """
         p = self.nominal
         beyond = excess(p.mass, inertia_about_com(p.mass, p.com, p.inertia, self.framed))
@@ -304,7 +368,10 @@ class Robot:
 
     @own_environment()
     def sample_parameters(self, rng: np.random.Generator | int) -> Parameters:
-        """A physical point of the box, uniform in each entry; tensors by rejection per body.
+        r"""A physical point of the box, uniform in each entry; tensors by rejection per body.
+
+        .. math:: \Delta = \underline\Delta + u\,(\overline\Delta - \underline\Delta),
+                  \quad u \text{ uniform in } [0, 1]
 
         Every tensor is, about the COM, positive definite and keeps the triangle inequality (as far
         as the nominal one does). Where 1,365 draws in a row are not physical, the last one is
@@ -315,6 +382,11 @@ class Robot:
 
         Args:
             rng: A numpy Generator, or an int that seeds one.
+
+        Raises:
+            ValueRangeError: ``rng`` is neither, or negative.
+
+        Source: rejection sampling of our own; the box is that of [GA17].
         """
         generator = _generator(rng)
         point = sample_point(self.nominal, self.lower, self.upper, self.framed, generator)
@@ -329,10 +401,17 @@ class Robot:
 
     @own_environment()
     def corner_parameters(self, rng: np.random.Generator | int) -> Parameters:
-        """A vertex: each entry lower or upper with equal probability; may be unphysical.
+        r"""A vertex: each entry lower or upper with equal probability; may be unphysical.
+
+        .. math:: \Delta_k \in \{\underline\Delta_k, \overline\Delta_k\}
 
         Args:
             rng: A numpy Generator, or an int that seeds one.
+
+        Raises:
+            ValueRangeError: ``rng`` is neither, or negative.
+
+        Source: our own; the box is that of [GA17].
         """
         return corner_point(self.lower, self.upper, _generator(rng))
 
@@ -340,7 +419,10 @@ class Robot:
     def physical_corner(
         self, which: str, rng: np.random.Generator | int = 0
     ) -> tuple[Parameters, tuple[str, ...]]:
-        """A vertex of the box that a real robot could have, as nearly as the box allows.
+        r"""A vertex of the box that a real robot could have, as nearly as the box allows.
+
+        .. math:: \Delta_0 + s\,(\Delta - \Delta_0), \quad s \in [0, 1]
+                  \text{ the largest that is physical, body by body}
 
         Tensors that no body can have are pulled straight towards nominal until one can; mass and
         COM with them where the tensor is about the body's frame. Where a nominal body is not
@@ -356,6 +438,8 @@ class Robot:
 
         Raises:
             ValueRangeError: `which` is something else.
+
+        Source: our own; physical is what (16) says of one body.
         """
         if which not in ("lower", "upper", "corner"):
             raise ValueRangeError(f'which: "{which}" is none of lower, upper, corner')
@@ -369,6 +453,7 @@ class Robot:
                 return inside, self.body_names
         return point, tuple(self.body_names[k] for k in pulled)
 
+    @own_environment()
     def to_dict(self) -> dict[str, Any]:
         """The resolved robot as plain Python, ready for JSON; numbers round-trip exactly.
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modrobust.checks.types import Array, Flags
 from modrobust.model.parameters import Parameters
 from modrobust.model.physical import (
     are_physical,
@@ -15,8 +16,6 @@ from modrobust.model.physical import (
     last_inside,
     pull_to_physical,
 )
-
-Array = NDArray[np.float64]
 
 _ROUNDS = (1, 4, 16, 64, 256, 1024)  # draws per body that still has no physical tensor
 _UPPER_TRIANGLE = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])  # xx xy xz yy yz zz
@@ -27,7 +26,7 @@ def sample_point(
     nominal: Parameters,
     lower: Parameters,
     upper: Parameters,
-    framed: NDArray[np.bool_],
+    framed: Flags,
     rng: np.random.Generator,
 ) -> Parameters:
     """A point uniform in the box, its tensors by rejection per body until they are physical.
@@ -68,16 +67,14 @@ def corner_point(lower: Parameters, upper: Parameters, rng: np.random.Generator)
     return replace(lower, inertia=inertia, **drawn)
 
 
-def physical_bodies(
-    nominal: Parameters, point: Parameters, framed: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
+def physical_bodies(nominal: Parameters, point: Parameters, framed: Flags) -> Flags:
     """Whether each body (b,) of a point is one that there can be, as far as the nominal one is."""
     at_com = inertia_about_com(nominal.mass, nominal.com, nominal.inertia, framed)
     return are_physical(point.mass, point.com, point.inertia, framed, at_com)
 
 
 def physical_pull(
-    nominal: Parameters, point: Parameters, framed: NDArray[np.bool_]
+    nominal: Parameters, point: Parameters, framed: Flags
 ) -> tuple[Parameters, tuple[int, ...]]:
     """The point with each unphysical tensor pulled straight towards nominal, and their indices.
 
@@ -91,7 +88,7 @@ def physical_pull(
 
 
 def _pulled(
-    nominal: Parameters, point: Parameters, framed: NDArray[np.bool_], which: NDArray[np.intp]
+    nominal: Parameters, point: Parameters, framed: Flags, which: NDArray[np.intp]
 ) -> Parameters:
     mass, com, inertia = point.mass.copy(), point.com.copy(), point.inertia.copy()
     for k in which:
@@ -106,7 +103,7 @@ def _pulled(
     return replace(point, mass=mass, com=com, inertia=inertia)
 
 
-def _body_is_physical(nominal: Array) -> Callable[[Array], NDArray[np.bool_]]:
+def _body_is_physical(nominal: Array) -> Callable[[Array], Flags]:
     """The test of bodies (k, 13): mass, COM, tensor about the frame row by row."""
     framed = np.array(True)
 

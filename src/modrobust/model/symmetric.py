@@ -14,9 +14,13 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from modrobust.checks.types import Array
+
+PLACES = {"xx": (0, 0), "xy": (0, 1), "xz": (0, 2), "yy": (1, 1), "yz": (1, 2), "zz": (2, 2)}
+"""Row and column of each entry of a tensor, in the order in which six entries stand everywhere."""
+
+ENTRIES = tuple(PLACES)
 
 _SWEEPS = 30  # rounding is reached after four or five
 _DIGITS = 64  # binary ones of the largest root that are right

@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 
+from modrobust.checks.types import Array
 from modrobust.errors import ValueRangeError
 from modrobust.kernel import own_environment
 from modrobust.model.geometry import dh_standard
-from modrobust.model.robot import Array, Bounded, ControllerSettings, Parameters, Robot
+from modrobust.model.robot import Bounded, ControllerSettings, Parameters, Robot
 
 
 @own_environment()

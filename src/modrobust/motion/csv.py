@@ -14,15 +14,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.checks import did_you_mean
 from modrobust.checks.files import kind_of_path
+from modrobust.checks.types import Array, Flags
 from modrobust.errors import DescriptionError, FileError
 from modrobust.formats.nodes import shown
 from modrobust.kernel import own_environment
-
-Array = NDArray[np.float64]
 
 TURN = 2.0 * math.pi  # [rad]
 _HEADING = re.compile(r"[\w .:/\[\]()^-]{0,100}")  # names of joints, perhaps with a unit
@@ -61,7 +59,7 @@ def read_trajectory_csv(file: str | Path, joint_names: Sequence[str]) -> tuple[A
     return times, np.ascontiguousarray(points)
 
 
-def unwrapped(points: Array, wraps: NDArray[np.bool_]) -> tuple[Array, tuple[int, ...]]:
+def unwrapped(points: Array, wraps: Flags) -> tuple[Array, tuple[int, ...]]:
     """Rows (k, n) without the jumps by whole turns of joints that wrap (n,), and how many of each.
 
     A step between two rows is a jump where whole turns leave at most a quarter turn of it: a

@@ -6,13 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array
 from modrobust.errors import ValueRangeError
 from modrobust.model import Robot
 from modrobust.motion.trajectory import Splined, Trajectory
-
-Array = NDArray[np.float64]
 
 _STILL = 1e-3  # [rad/s] or [m/s]: recordings come to rest to this
 

@@ -8,9 +8,8 @@ cubic exactly and does not force the acceleration to zero at the ends as a natur
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from modrobust.checks.types import Array
 
 
 class CubicSpline:

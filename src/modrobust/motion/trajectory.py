@@ -14,17 +14,17 @@ from reprlib import repr as short
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from modrobust import _kernel
 from modrobust.checks import as_integer, as_number, as_real, did_you_mean
+from modrobust.checks.types import Array
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
 from modrobust.model import Robot
 from modrobust.motion.csv import read_trajectory_csv, unwrapped
 from modrobust.motion.spline import CubicSpline
 
-Array = NDArray[np.float64]
 Samples = tuple[Array, Array, Array]
 
 DEFAULT_DURATION = 10.0  # [s]
@@ -57,7 +57,19 @@ class Trajectory(Protocol):
         """Last instant at which the motion is defined [s]; infinite where it goes on or holds."""
 
     def sample(self, t: ArrayLike) -> Samples:
-        """Positions, velocities and accelerations at the instants ``t`` (k,) [s], each (k, n)."""
+        """Positions, velocities and accelerations at instants: q_d and its derivatives of (4).
+
+        Args:
+            t: Instants, ``(k,)`` [s].
+
+        Returns:
+            Positions, velocities and accelerations, each ``(k, n)`` [rad] or [m], per s, per s^2.
+
+        Raises:
+            ValueRangeError: ``t`` holds something else than real numbers.
+
+        Source: the kind of motion; (4) of [GA17] asks for all three.
+        """
 
     def to_dict(self) -> dict[str, Any]:
         """What describes the motion, for the settings of a run; numbers and texts only."""
@@ -73,6 +85,10 @@ class Sines:
         amplitude: ``A``, (n,) [rad] or [m].
         omega: Angular rates, (k,) [rad/s].
         duration: Default duration of a run [s].
+
+    Raises:
+        ShapeError: ``amplitude`` or ``omega`` is no list.
+        ValueRangeError: A number is not finite.
 
     Source: (13) of [GA17].
     """
@@ -93,12 +109,25 @@ class Sines:
 
     @property
     def end(self) -> float:
-        """The sines go on for ever."""
+        """The sines go on for ever: infinite [s]."""
         return math.inf
 
     @own_environment()
     def sample(self, t: ArrayLike) -> Samples:
-        """Analytic derivatives by the product rule, one factor after the other."""
+        """Products of sines as (13); derivatives by the product rule, one factor after the other.
+
+        Args:
+            t: Instants, ``(k,)`` [s].
+
+        Returns:
+            Positions, velocities and accelerations, each ``(k, n)`` [rad] or [m], per s, per s^2.
+
+        Raises:
+            ValueRangeError: ``t`` holds something else than real numbers, or an angle
+                omega t is beyond 1e5 rad.
+
+        Source: (13) of [GA17].
+        """
         instants = _instants(t)
         p, dp, ddp = np.ones_like(instants), np.zeros_like(instants), np.zeros_like(instants)
         for omega in self.omega:
@@ -130,6 +159,8 @@ class Quintic:
     Raises:
         ShapeError: ``points`` does not have one row a time.
         ValueRangeError: A number is not finite, or the times do not increase.
+
+    Source: the polynomial of least degree that starts and ends at rest.
     """
 
     times: Array
@@ -152,12 +183,26 @@ class Quintic:
 
     @property
     def end(self) -> float:
-        """The last waypoint is held."""
+        """The last waypoint is held: infinite [s]."""
         return math.inf
 
     @own_environment()
     def sample(self, t: ArrayLike) -> Samples:
-        """Velocity and acceleration are zero at every waypoint."""
+        r"""Velocity and acceleration are zero at every waypoint.
+
+        .. math:: \dot q_d = (p_{k+1} - p_k)\,30\,(s (1 - s))^2 / (t_{k+1} - t_k)
+
+        Args:
+            t: Instants, ``(k,)`` [s].
+
+        Returns:
+            Positions, velocities and accelerations, each ``(k, n)`` [rad] or [m], per s, per s^2.
+
+        Raises:
+            ValueRangeError: ``t`` holds something else than real numbers.
+
+        Source: the polynomial of least degree that starts and ends at rest.
+        """
         instants = _instants(t)
         if len(self.times) == 1:
             q = np.repeat(self.points, len(instants), axis=0)
@@ -181,7 +226,9 @@ class Quintic:
 
 @dataclass(frozen=True, eq=False)
 class Splined:
-    """A cubic spline through given rows; holds the last after its time.
+    r"""A cubic spline through given rows; holds the last after its time.
+
+    .. math:: q_d(t) = a_k + b_k (t - t_k) + c_k (t - t_k)^2 + d_k (t - t_k)^3
 
     Twice continuously differentiable, but at its end where it is under way there.
 
@@ -196,7 +243,7 @@ class Splined:
         ShapeError: ``points`` does not have one row a time.
         ValueRangeError: A number is not finite, or the times do not increase.
 
-    See `modrobust.motion.spline` for the end conditions.
+    Source: `modrobust.motion.spline`, which has the end conditions.
     """
 
     times: Array
@@ -224,12 +271,26 @@ class Splined:
 
     @property
     def end(self) -> float:
-        """The last row is held."""
+        """The last row is held: infinite [s]."""
         return math.inf
 
     @own_environment()
     def sample(self, t: ArrayLike) -> Samples:
-        """Derivatives of the spline; zero after the last row."""
+        r"""Derivatives of the spline; zero after the last row.
+
+        .. math:: q_d(t) = a_k + b_k (t - t_k) + c_k (t - t_k)^2 + d_k (t - t_k)^3
+
+        Args:
+            t: Instants, ``(k,)`` [s].
+
+        Returns:
+            Positions, velocities and accelerations, each ``(k, n)`` [rad] or [m], per s, per s^2.
+
+        Raises:
+            ValueRangeError: ``t`` holds something else than real numbers.
+
+        Source: `modrobust.motion.spline`.
+        """
         instants = _instants(t)
         q, dq, ddq = self._spline(instants)
         held = instants > self.times[-1] * (1.0 + _SAME_TIME)
@@ -261,16 +322,28 @@ def paper_trajectory(robot: Robot) -> Sines:
 
 @own_environment()
 def default_trajectory(robot: Robot, duration: float = DEFAULT_DURATION, seed: int = 0) -> Quintic:
-    """Rest to rest through seeded waypoints, within position limits and half of the others.
+    r"""Rest to rest through seeded waypoints, within position limits and half of the others.
+
+    .. math:: |p_{k+1} - p_k| \le \min\left(\tfrac{1}{2} v_{max}\,h / 1.875,\;
+              \tfrac{1}{2} a_{max}\,h^2 \sqrt{3} / 10\right)
+
+    where h is the time between two waypoints.
 
     A waypoint about every 2.5 s, drawn from the middle 80 % of the position range, or from
     +-pi/2 rad (+-0.25 m) where there is none, and pulled towards the previous one until the peak
     velocity is at most half the limit (0.5 rad/s, 0.1 m/s where there is none) and the peak
     acceleration at most half its limit.
 
+    Args:
+        robot: Robot with ``n`` joints.
+        duration: Time from the first to the last waypoint [s].
+        seed: Seeds the waypoints.
+
     Raises:
         ValueRangeError: ``duration`` is not positive and finite, or ``seed`` no whole number from
             0.
+
+    Source: peaks of the quintic, see `Quintic`.
     """
     duration = as_number("duration", duration, "s")
     if not (math.isfinite(duration) and duration > 0.0):

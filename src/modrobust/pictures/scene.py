@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modrobust import _kernel
+from modrobust.checks.types import Array
 from modrobust.errors import MissingExtraError
 from modrobust.export.common import leaves, numbers
 from modrobust.export.geoms import reach
@@ -22,7 +23,6 @@ from modrobust.export.mjcf import mjcf_element
 from modrobust.model import Parameters, Robot
 from modrobust.simulation.plants import engine
 
-Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 SIZE = (640, 480)  # [pixels], width and height; even, as H.264 demands

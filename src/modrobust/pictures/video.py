@@ -13,15 +13,14 @@ from tempfile import TemporaryFile
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.checks import check_writable, replacing
+from modrobust.checks.types import Array
 from modrobust.errors import FileError, ValueRangeError
 from modrobust.pictures.scene import SIZE, TRAIL_COLOURS, Picture, Scene, offscreen
 from modrobust.simulation import SimulationResult
 from modrobust.simulation.plants import engine
 
-Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 
 RATES = {".mp4": 30.0, ".gif": 20.0}  # [pictures/s]; a GIF counts in hundredths of a second

@@ -16,12 +16,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust import _kernel
+from modrobust.checks.types import Array
 from modrobust.model import ControllerSettings, Parameters, Robot
-
-Array = NDArray[np.float64]
 
 _HELD = 2.0  # k T / J from which a held gain drives a joint
 _LIKELY = 1.0  # between two logged ticks it may have grown from here to 2

@@ -8,14 +8,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust import _kernel
+from modrobust.checks.types import Array
 from modrobust.control import RobustController
 from modrobust.model import Parameters
 from modrobust.simulation.plants import Plant
-
-Array = NDArray[np.float64]
 
 _LOGGED = ("q", "dq", "q_des", "dq_des", "ddq_des", "tau", "w", "phi_lo", "phi_hi", "rho")
 _WIDTHS = {"width_hull": _kernel.HULL, "width_ianea": _kernel.IANEA}

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from modrobust.checks.types import Array
 
 CHATTERING_WINDOW = 5.0  # [s]
 CHATTERING_LIMIT = 1.1

@@ -15,15 +15,13 @@ from importlib import import_module
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.checks import did_you_mean
+from modrobust.checks.types import Array
 from modrobust.errors import MissingExtraError, ValueRangeError
 from modrobust.export.mjcf import mjcf_text
 from modrobust.export.urdf import urdf_text
 from modrobust.model import Parameters, Robot
-
-Array = NDArray[np.float64]
 
 BUILTIN = "builtin"
 _OUT_OF_RANGE = 1e10  # [rad] or [m], as MuJoCo has it

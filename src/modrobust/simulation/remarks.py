@@ -6,12 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array
 from modrobust.model import Robot
 from modrobust.simulation.metrics import CHATTERING_LIMIT
-
-Array = NDArray[np.float64]
 
 _TOUCH = 1e-6  # of the limit: a motion up to the limit itself is fine
 

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust import _kernel
 from modrobust.checks import files, replacing
+from modrobust.checks.types import Array
 from modrobust.control import RobustController
 from modrobust.errors import ModrobustError
 from modrobust.kernel import own_environment
@@ -21,8 +21,6 @@ from modrobust.simulation.divergence import Divergence, find_divergence
 from modrobust.simulation.engine_loop import EngineLoop
 from modrobust.simulation.metrics import CHATTERING_LIMIT, chattering, plain, ratio, time_statistics
 from modrobust.simulation.remarks import remarks
-
-Array = NDArray[np.float64]
 
 _LOG_FILE = (".npz", "a log")
 
@@ -70,7 +68,9 @@ class LoopStatistics:
 class SimulationResult:
     """A run of the closed loop, logged about every millisecond; n joints, m logged ticks.
 
-    Positions [rad] or [m], torques [N m] or [N], times [s].
+    The loop is (23) under the command (3); figures are those of Section V of the paper.
+
+    Source: Section V of [GA17].
     """
 
     robot: Robot
@@ -82,30 +82,41 @@ class SimulationResult:
     """Figures over all ticks; None when the run was interrupted before its first chunk."""
     interrupted: bool
     t: Array
-    """Instants, (m,); everything below is (m, n)."""
+    """Instants of the m logged ticks, ``(m,)`` [s]."""
     q: Array
+    """Positions, ``(m, n)`` [rad]."""
     dq: Array
+    """Velocities, ``(m, n)`` [rad/s]."""
     q_des: Array
+    """Desired positions, ``(m, n)`` [rad]."""
     dq_des: Array
+    """Desired velocities, ``(m, n)`` [rad/s]."""
     ddq_des: Array
+    """Desired accelerations, ``(m, n)`` [rad/s^2]."""
     tau: Array
+    """Torques, u of (3), ``(m, n)`` [N m]."""
     w: Array
-    """Perturbation that the true parameters make, (6)."""
+    """Perturbation that the true parameters make, (6), ``(m, n)`` [N m]."""
     phi_lo: Array
-    """Lower bound of w by the run's own ``bound``, (12)."""
+    """Lower bound of w by the run's own ``bound``, (12), ``(m, n)`` [N m]."""
     phi_hi: Array
+    """Upper bound of w, (12), ``(m, n)`` [N m]."""
     rho: Array
+    """Worst case of each joint, (8), ``(m, n)`` [N m]."""
     width_hull: Array
-    """Width of [Phi] by the exact hull."""
+    """Width of [Phi] by the exact hull, ``(m, n)`` [N m]."""
     width_ianea: Array
-    """Width of [Phi] by Algorithm 1."""
+    """Width of [Phi] by Algorithm 1, ``(m, n)`` [N m]."""
     total_variation: Array
-    """Sum of the torque's changes over all ticks so far."""
+    """Sum of the torque's changes over all ticks so far, ``(m, n)`` [N m]."""
 
     @property
     @own_environment()
     def error(self) -> Array:
-        """Norm of the tracking error e of (4) at the logged ticks, (m,)."""
+        """Norm of the tracking error of (4) at the logged ticks, ``(m,)`` [rad] or [m].
+
+        Source: Section V of [GA17].
+        """
         return np.asarray(np.linalg.norm(self.robot.tracking_error(self.q, self.q_des), axis=1))
 
     @property
@@ -141,6 +152,7 @@ class SimulationResult:
         return 0.0 if s.last_outside < 0.0 else s.last_outside + 1.0 / self.settings["control_rate"]
 
     @property
+    @own_environment()
     def cut_short(self) -> bool:
         """Whether the motion takes longer than the run was to: epsilon is not judged then."""
         whole = self.settings.get("motion_time")
@@ -148,10 +160,12 @@ class SimulationResult:
 
     @cached_property
     def command_seconds(self) -> Array:
-        """Time of each command in C [s], from a replay of the logged inputs; perhaps empty.
+        """Time of each command (3) in C, ``(m,)`` [s], from a replay of the logged inputs.
 
         A fresh controller gets the inputs logged at 1 ms, as in Section V of the paper, once to
-        warm up and once to be timed.
+        warm up and once to be timed. Empty where a diverged run cannot be replayed.
+
+        Source: Section V of [GA17].
         """
         if len(self.t) == 0:
             return np.zeros(0)
@@ -200,7 +214,14 @@ class SimulationResult:
     @cached_property
     @own_environment()
     def chattering(self) -> Array | None:
-        """How much each torque chatters, (n,); see `modrobust.simulation.metrics.chattering`."""
+        r"""How much each torque moves over what its samples at 10 Hz do, ``(n,)`` [1].
+
+        .. math:: \sum_k |\tau_k - \tau_{k-1}| \Big/ \sum_j |\tau(t_j) - \tau(t_{j-1})|
+
+        over the last 5 s: over all ticks above, every 0.1 s below. None where a run is shorter.
+
+        Source: our own; `modrobust.simulation.metrics.chattering` has the cases without motion.
+        """
         return chattering(self.t, self.tau, self.total_variation)
 
     @property

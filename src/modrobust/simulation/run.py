@@ -18,10 +18,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_number, did_you_mean
+from modrobust.checks.types import Array
 from modrobust.control import PerJoint, RobustController, settings_dict
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
@@ -38,8 +39,6 @@ from modrobust.simulation.engine_loop import EngineLoop
 from modrobust.simulation.metrics import plain
 from modrobust.simulation.plants import BUILTIN, check_plant, make_plant
 from modrobust.simulation.result import LOGGED, LoopStatistics, SimulationResult
-
-Array = NDArray[np.float64]
 
 PARAMETER_CHOICES = ("nominal", "lower", "upper", "corner", "random")
 CONTROL_RATE = 50e3  # [Hz]
@@ -147,7 +146,7 @@ def simulate(
     disturbance: ArrayLike | None = None,
     progress: Progress | None = None,
 ) -> SimulationResult:
-    """Run the closed loop and return what happened.
+    """Run the closed loop, the plant (23) under the command (3), and return what happened.
 
     Args:
         robot: Robot with ``n`` joints.
@@ -156,7 +155,11 @@ def simulate(
             ``"lower"``, ``"upper"``, ``"corner"``, ``"random"`` (the default), or a `Parameters`.
             The constant true disturbance is drawn from [d] in the same way.
         seed: Seeds ``"random"`` and ``"corner"``.
-        law, bound, K_r, kappa_P, kappa_I, phi_P, phi_I, epsilon: See `RobustController`.
+        law, bound: See `RobustController`.
+        K_r: One number for all joints, a mapping by joint name, or ``(n,)`` [1/s].
+        kappa_P, kappa_I: Gains of kappa [s/rad], [1/rad^2].
+        phi_P, phi_I: Gains of phi [N m s/rad], [N m/rad^2].
+        epsilon: Norm of the tracking error to reach [rad] or [m].
         trajectory: See `make_trajectory`; the description's own when None.
         duration: Simulated time [s]; the trajectory's own when None, else 10 s. The last command is
             given at the last whole tick within it. It does not change the motion: a shorter run is
@@ -165,8 +168,8 @@ def simulate(
         substeps: Runge-Kutta steps between two commands.
         plant: What moves as the true robot: ``"builtin"``, or another engine, ``"mujoco"`` or
             ``"pinocchio"``, whose loop runs in Python; see `modrobust.simulation.plants`.
-        q0, dq0: State at the start, ``(n,)``. When None: the description's ``initial`` where its
-            own trajectory is used, else on the trajectory.
+        q0, dq0: State at the start, ``(n,)`` [rad], [rad/s]. When None: the description's
+            ``initial`` where its own trajectory is used, else on the trajectory.
         disturbance: True disturbance ``(n,)`` [N m] or [N]; overrides the drawn one.
         progress: Called before the run and between chunks with simulated and total time [s].
 
@@ -176,6 +179,8 @@ def simulate(
 
     Raises:
         InputError: An argument is wrong; the subclass says how. Nothing was computed.
+
+    Source: Section V of [GA17]; kernel twin ``mr_loop_advance``.
     """
     check_plant(plant)
     scenario = None if scenario is None else str(scenario)

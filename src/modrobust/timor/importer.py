@@ -23,17 +23,17 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.checks import replacing
 from modrobust.checks.files import kind_of_path, reason
+from modrobust.checks.types import Array
 from modrobust.errors import DescriptionError, FileError, ValueRangeError
 from modrobust.formats import Node, read_module
 from modrobust.formats.inertia import positive_definite, steiner
 from modrobust.formats.json_reader import parse_json
 from modrobust.kernel import own_environment
 from modrobust.model.geometry import Transform, arctan2, rotation_x
-from modrobust.model.symmetric import eigenvalues
+from modrobust.model.symmetric import ENTRIES, eigenvalues
 from modrobust.timor.database import (
     Body,
     Connector,
@@ -46,8 +46,6 @@ from modrobust.timor.database import (
     texts_of,
 )
 from modrobust.timor.joint import Joint, joint_lines, read_joints
-
-Array = NDArray[np.float64]
 
 READINGS = ("com", "frame")
 _DIGITS = 12  # decimals of a length [m] that a description keeps: 1e-12 m
@@ -319,7 +317,7 @@ def _body_lines(
     com, six, mass = body.texts
     entries = ", ".join(
         f"{key}: {text}"
-        for key, text in zip(("xx", "xy", "xz", "yy", "yz", "zz"), six, strict=True)
+        for key, text in zip(ENTRIES, six, strict=True)
         if Fraction(text) or key in ("xx", "yy", "zz")
     )
     return [

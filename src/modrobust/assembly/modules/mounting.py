@@ -87,7 +87,8 @@ def mount_chain(assembly: Assembly) -> Mounted:
     if faults.found:  # then those of the other modules too
         for index, item in enumerate(assembly.chain):
             with faults.caught():
-                mounter.load(item, f"chain[{index}]", ())
+                if isinstance(item, NestedItem):
+                    mounter.load(item, f"chain[{index}]", ())
     faults.stop()
     return Mounted(tuple(mounter.steps), nodes, tuple(mounter.remarks()))
 
@@ -188,11 +189,7 @@ class _Mounter:
 
     def _remark(self, module: Module, instance: str) -> None:
         self._instances.setdefault(module.id, []).append(instance)
-        texts = list(module.notes)
-        if module.unused_tolerances:
-            keys = ", ".join(module.unused_tolerances)
-            texts.append(f"tolerance without a parameter it applies to: {keys}")
-        for text in texts:
+        for text in module.remarks:
             self._remarks.setdefault((module.id, text), []).append(instance)
 
 

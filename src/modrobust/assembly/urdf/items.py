@@ -24,11 +24,11 @@ from modrobust.formats.joints import read_joint
 from modrobust.formats.models import JointModel
 from modrobust.formats.part_models import InertiaModel, JointOverlay, LinkOverlay
 from modrobust.formats.tolerance import Tolerances
+from modrobust.model.symmetric import ENTRIES
 
 P = TypeVar("P", bound=Part)
 
 _ZERO = Quantity(0.0, 0.0, 0.0, bounded=False)
-_ENTRIES = ("xx", "xy", "xz", "yy", "yz", "zz")
 
 
 def is_frame(link: Link, overlay: LinkOverlay | None) -> bool:
@@ -143,7 +143,7 @@ def _nodes(
         zero = ScalarNode("0", inertial.where)
         lengths = (zero,) * 3 if in_inertial_frame else tuple(x.node for x in inertial.xyz)
         com = com or ListNode(lengths, inertial.where)
-        tensor = {key: entry.node for key, entry in zip(_ENTRIES, inertial.tensor, strict=True)}
+        tensor = {key: entry.node for key, entry in zip(ENTRIES, inertial.tensor, strict=True)}
     overlaid = given.get("inertia")
     if isinstance(overlaid, MapNode):
         # A whole new tensor starts from nothing; single entries replace those of the URDF.

@@ -30,11 +30,12 @@ from modrobust.formats import ScalarNode, Where
 from modrobust.formats.faults import Faults
 from modrobust.formats.nodes import shown
 from modrobust.model.geometry import IDENTITY, Transform
+from modrobust.model.symmetric import ENTRIES
 
 T = TypeVar("T", "Link", "Joint")
 
 VERSIONS = {"1": 1.0, "1.0": 1.0, "1.1": 1.1, "1.2": 1.2}
-_ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_ENTRIES = tuple(f"i{entry}" for entry in ENTRIES)
 _HRDF = ("actuator", "bracket", "rigid-body", "end-effector")
 
 # What an element may hold; what is missing here says nothing about the motion.

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array
 from modrobust.model import Parameters, Robot
-
-Array = NDArray[np.float64]
 
 MASS = 0.05  # of the nominal mass
 COM = 5e-3  # [m], in every direction

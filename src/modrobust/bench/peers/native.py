@@ -7,16 +7,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from modrobust.bench.peers.cases import States, random_states, uncertain_everywhere
 from modrobust.bench.peers.compile import Announce, CompilerError, program, toolchain
 from modrobust.bench.peers.timing import Comparison, Timing
+from modrobust.checks.types import Array
 from modrobust.errors import ValueRangeError
 from modrobust.kernel import BOUNDS
 from modrobust.model import Robot
-
-Array = NDArray[np.float64]
 
 KINDS = ("peer", "sincos", "nominal", "bounds", "command", "batch")  # the order of program.c
 PEER = "Pinocchio, rnea"

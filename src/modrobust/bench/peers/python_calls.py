@@ -8,19 +8,17 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modrobust.bench.peers.cases import States, random_states, uncertain_everywhere
 from modrobust.bench.peers.native import DISAGREEMENT, depth_first, require_comparable
 from modrobust.bench.peers.timing import Comparison, interleaved
+from modrobust.checks.types import Array
 from modrobust.control import RobustController
 from modrobust.dynamics import inverse_dynamics, inverse_dynamics_bounds
 from modrobust.errors import MissingExtraError, ValueRangeError
 from modrobust.model import Robot
 from modrobust.model.physical import inertia_about_com
 from modrobust.reference import box, newton_euler
-
-Array = NDArray[np.float64]
 
 ROUNDS = 15
 PINOCCHIO = "Pinocchio, pin.rnea"

@@ -12,11 +12,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modrobust.checks.types import Array
 from modrobust.simulation.metrics import time_statistics
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
