@@ -98,8 +98,8 @@ class Model {
         require(j > mimic_joints && parents.size() == j && befores.size() == j &&
                     afters.size() == j && ratios.size() == j && speeds.size() == j &&
                     placements.size() == b && abouts.size() == b && gravity.size() == 3 &&
-                    moved.size() == j &&
-                    multipliers.size() == mimic_joints && offsets.size() == mimic_joints,
+                    moved.size() == j && multipliers.size() == mimic_joints &&
+                    offsets.size() == mimic_joints,
                 "Model: arrays of joints and bodies differ in length");
         const size_t free = j - mimic_joints;
         for (int32_t l : leaders)
@@ -147,7 +147,8 @@ class Model {
         c.leader = leaders.data();
         c.multiplier = multipliers.data();
         c.offset = offsets.data();
-        const bool any = std::any_of(wrapping.begin(), wrapping.end(), [](int32_t w) { return w; });
+        const bool any =
+            std::any_of(wrapping.begin(), wrapping.end(), [](int32_t w) { return w; });
         c.wraps = any ? wrapping.data() : nullptr;
         std::memcpy(c.gravity, gravity.data(), sizeof c.gravity);
         precomputed.resize(mr_precomputed_size(&c));
@@ -273,21 +274,21 @@ Out inverse_dynamics_bounds_batch(const Model &model, const Vec &nominal, const 
     std::vector<int64_t> rows(parts, 0);
     const auto work = [&](size_t part) {
         const size_t first = part * share, at = first * n;
-        status[part] = batch(&model.c, &bounds.c, code,
-                             static_cast<int64_t>(std::min(share, count - first)), q.data() + at,
-                             dq.data() + at, dq_a.data() + at, ddq_a.data() + at, drives,
-                             workspace.data() + part * size, out.data() + at,
-                             out.data() + count * n + at, &rows[part]);
+        status[part] =
+            batch(&model.c, &bounds.c, code, static_cast<int64_t>(std::min(share, count - first)),
+                  q.data() + at, dq.data() + at, dq_a.data() + at, ddq_a.data() + at, drives,
+                  workspace.data() + part * size, out.data() + at, out.data() + count * n + at,
+                  &rows[part]);
         rows[part] += static_cast<int64_t>(first);
     };
     {
         nb::gil_scoped_release release;
         std::vector<std::thread> others;
-        size_t started = 1;  // the calling thread has part 0, and those for which no other starts
+        size_t started = 1; // the calling thread has part 0, and those for which no other starts
         try {
             for (others.reserve(parts); started < parts; ++started)
                 others.emplace_back(work, started);
-        } catch (const std::exception &) {  // neither thread nor memory to be had
+        } catch (const std::exception &) { // neither thread nor memory to be had
         }
         if (parts > 0) work(0);
         for (size_t part = started; part < parts; ++part) work(part);
@@ -331,9 +332,9 @@ const double *rows_of(const Mat &disturbance, const Model &model) {
     return disturbance.data();
 }
 
-Out perturbation_bounds(const Model &model, const Vec &nominal, const Vec &lower,
-                        const Vec &upper, const Mat &disturbance, const Vec &q, const Vec &dq,
-                        const Vec &dq_a, const Vec &ddq_a, int method) {
+Out perturbation_bounds(const Model &model, const Vec &nominal, const Vec &lower, const Vec &upper,
+                        const Mat &disturbance, const Vec &q, const Vec &dq, const Vec &dq_a,
+                        const Vec &ddq_a, int method) {
     require_state(model, q, dq, dq_a, ddq_a);
     const Bounds bounds(model, nominal, lower, upper, rows_of(disturbance, model));
     Doubles workspace(mr_workspace_size(&model.c)), u0(model.n()), out(2 * model.n());
@@ -416,13 +417,13 @@ class Controller {
     Controller(nb::object model_object, const Vec &nominal, const Vec &lower, const Vec &upper,
                const Mat &disturbance, const Vec &K_r, double kappa_P, double kappa_I,
                double phi_P, double phi_I, double epsilon, int law, int method)
-        : owner(model_object), model(nb::cast<Model &>(model_object)), arrays{
-              nominal, lower, upper, K_r}, disturbances(disturbance),
+        : owner(model_object), model(nb::cast<Model &>(model_object)),
+          arrays{nominal, lower, upper, K_r}, disturbances(disturbance),
           bounds(model, nominal, lower, upper, rows_of(disturbance, model)) {
         model.require_joints(K_r, "K_r");
         require(law == MR_LAW_NORM, "law: 0 (norm)");
-        gains = {arrays[3].data(), kappa_P, kappa_I, phi_P,
-                 phi_I, epsilon, static_cast<mr_law>(law), method_of(method)};
+        gains = {arrays[3].data(),         kappa_P,          kappa_I, phi_P, phi_I, epsilon,
+                 static_cast<mr_law>(law), method_of(method)};
         workspace.resize(mr_workspace_size(&model.c));
     }
 
@@ -450,8 +451,7 @@ class Controller {
         mr_controller_state at = {integral, 0.0, 0.0, 0};
         check(mr_command(&model.c, &bounds.c, &gains, 0.0, q.data(), dq.data(), q_des.data(),
                          dq_des.data(), ddq_des.data(), workspace.data(), &at, &out));
-        return nb::make_tuple(numpy(std::move(rows), {6, model.n()}), out.rho_norm,
-                              at.previous_f);
+        return nb::make_tuple(numpy(std::move(rows), {6, model.n()}), out.rho_norm, at.previous_f);
     }
 
     // Seconds of each command on recorded signals; the integrators start at rest.
@@ -499,8 +499,8 @@ class Controller {
 
     mr_command_out outputs(double *rows) const {
         const size_t n = model.n();
-        return {rows, rows + n, rows + 2 * n, rows + 3 * n, rows + 4 * n, rows + 5 * n,
-                0.0,  0.0,      0.0};
+        return {rows,         rows + n, rows + 2 * n, rows + 3 * n, rows + 4 * n,
+                rows + 5 * n, 0.0,      0.0,          0.0};
     }
 
     nb::object owner;
@@ -546,25 +546,24 @@ class Loop {
             require(m->shape(0) == count && m->shape(1) == n, "reference: expected shape (k, n)");
         require(log_every > 0, "log_every must be positive");
         const size_t rows = count / static_cast<size_t>(log_every) + 1;
-        static const char *const names[] = {"q",      "dq",     "q_des",  "dq_des",
-                                            "ddq_des", "tau",   "w",      "phi_lo",
-                                            "phi_hi", "rho",    "width_hull", "width_ianea",
-                                            "total_variation"};
+        static const char *const names[] = {
+            "q",      "dq",  "q_des",      "dq_des",      "ddq_des",        "tau", "w", "phi_lo",
+            "phi_hi", "rho", "width_hull", "width_ianea", "total_variation"};
         constexpr size_t columns = sizeof names / sizeof *names;
         std::vector<Doubles> data(columns, Doubles(rows * n));
         Doubles t(rows);
-        mr_loop_log log = {t.data(),        data[0].data(), data[1].data(),  data[2].data(),
-                           data[3].data(),  data[4].data(), data[5].data(),  data[6].data(),
-                           data[7].data(),  data[8].data(), data[9].data(),  data[10].data(),
+        mr_loop_log log = {t.data(),        data[0].data(), data[1].data(), data[2].data(),
+                           data[3].data(),  data[4].data(), data[5].data(), data[6].data(),
+                           data[7].data(),  data[8].data(), data[9].data(), data[10].data(),
                            data[11].data(), data[12].data()};
         const mr_parameters view = mr_parameters_view(&model.c, parameters.data());
         int32_t logged = 0;
         {
             nb::gil_scoped_release release;
             status = mr_loop_advance(&model.c, &controller.bounds.c, &controller.gains, &view,
-                                     disturbance.data(), static_cast<int32_t>(count),
-                                     q_des.data(), dq_des.data(), ddq_des.data(), log_every,
-                                     workspace.data(), &state, &c, &log, &logged);
+                                     disturbance.data(), static_cast<int32_t>(count), q_des.data(),
+                                     dq_des.data(), ddq_des.data(), log_every, workspace.data(),
+                                     &state, &c, &log, &logged);
         }
         const size_t kept = static_cast<size_t>(logged);
         nb::dict out;
@@ -588,10 +587,10 @@ class Loop {
     mr_status status = MR_OK;
 };
 
-}  // namespace
+} // namespace
 
 NB_MODULE(_kernel, m) {
-    nb::set_leak_warnings(false);  // objects that a traceback holds at exit are no news to users
+    nb::set_leak_warnings(false); // objects that a traceback holds at exit are no news to users
     m.doc() = "The modrobust kernel; see modrobust.dynamics for the checked functions.";
     kernel_status_type =
         PyErr_NewException("modrobust._kernel.KernelError", PyExc_ArithmeticError, nullptr);
@@ -630,9 +629,9 @@ NB_MODULE(_kernel, m) {
           "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("inverse_dynamics_bounds", &inverse_dynamics_bounds, "model"_a, "nominal"_a, "lower"_a,
           "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "bound"_a, "drives"_a);
-    m.def("inverse_dynamics_bounds_batch", &inverse_dynamics_bounds_batch, "model"_a,
-          "nominal"_a, "lower"_a, "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "bound"_a,
-          "drives"_a, "threads"_a);
+    m.def("inverse_dynamics_bounds_batch", &inverse_dynamics_bounds_batch, "model"_a, "nominal"_a,
+          "lower"_a, "upper"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "bound"_a, "drives"_a,
+          "threads"_a);
     m.def("inverse_dynamics_rounding", &inverse_dynamics_rounding, "model"_a, "parameters"_a,
           "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "drives"_a);
     m.def("bounds_slack", &bounds_slack, "model"_a, "nominal"_a, "lower"_a, "upper"_a, "q"_a,
@@ -640,8 +639,8 @@ NB_MODULE(_kernel, m) {
     m.def("perturbation_bounds", &perturbation_bounds, "model"_a, "nominal"_a, "lower"_a,
           "upper"_a, "disturbance"_a, "q"_a, "dq"_a, "dq_a"_a, "ddq_a"_a, "bound"_a);
     m.def("mass_matrix", &mass_matrix, "model"_a, "parameters"_a, "q"_a, "drives"_a);
-    m.def("forward_dynamics", &forward_dynamics, "model"_a, "parameters"_a, "q"_a, "dq"_a,
-          "tau"_a, "drives"_a);
+    m.def("forward_dynamics", &forward_dynamics, "model"_a, "parameters"_a, "q"_a, "dq"_a, "tau"_a,
+          "drives"_a);
     m.def("forward_kinematics", &forward_kinematics, "model"_a, "q"_a);
 
     nb::class_<Controller>(m, "Controller")
@@ -680,10 +679,10 @@ NB_MODULE(_kernel, m) {
         .def_prop_ro("error_max_after", [](const Loop &l) { return l.c.error_max_after; })
         .def_prop_ro("rho_sum", [](const Loop &l) { return l.c.rho_sum; })
         .def_prop_ro("rho_max", [](const Loop &l) { return l.c.rho_max; })
-        .def_prop_ro("q", [](const Loop &l) { return l.copy(l.q); },
-                     nb::rv_policy::move)
-        .def_prop_ro("dq", [](const Loop &l) { return l.copy(l.dq); },
-                     nb::rv_policy::move)
-        .def_prop_ro("tau_max", [](const Loop &l) { return l.copy(l.tau_max); },
-                     nb::rv_policy::move);
+        .def_prop_ro(
+            "q", [](const Loop &l) { return l.copy(l.q); }, nb::rv_policy::move)
+        .def_prop_ro(
+            "dq", [](const Loop &l) { return l.copy(l.dq); }, nb::rv_policy::move)
+        .def_prop_ro(
+            "tau_max", [](const Loop &l) { return l.copy(l.tau_max); }, nb::rv_policy::move);
 }

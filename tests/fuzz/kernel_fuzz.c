@@ -53,17 +53,17 @@ static void check_torques(fuzz_case *c) {
     double *tau = outputs(c, n), *again = outputs(c, n), *error = outputs(c, n);
     double *lo[2] = {outputs(c, n), outputs(c, n)}, *hi[2] = {outputs(c, n), outputs(c, n)};
     double *slack = outputs(c, n), *work = memory(c, mr_workspace_size(model));
-    const mr_status plain = mr_inverse_dynamics(model, nominal, c->q, c->dq, c->dq_a, c->ddq_a,
-                                                c->drives, work, tau);
+    const mr_status plain =
+        mr_inverse_dynamics(model, nominal, c->q, c->dq, c->dq_a, c->ddq_a, c->drives, work, tau);
     const mr_status rounded = mr_inverse_dynamics_rounding(
         model, nominal, c->q, c->dq, c->dq_a, c->ddq_a, c->drives, work, again, error);
     check_output(plain, n, tau);
     check_output(rounded, n, again);
     check_output(rounded, n, error);
     if (!rounded) CHECK(!plain && memcmp(tau, again, n * sizeof *tau) == 0);
-    check_output(mr_bounds_slack(model, &c->bounds, c->q, c->dq, c->dq_a, c->ddq_a, c->drives,
-                                 work, slack),
-                 n, slack);
+    check_output(
+        mr_bounds_slack(model, &c->bounds, c->q, c->dq, c->dq_a, c->ddq_a, c->drives, work, slack),
+        n, slack);
     for (int m = MR_HULL; m <= MR_IANEA; ++m) {
         const mr_status status =
             mr_inverse_dynamics_bounds(model, &c->bounds, (mr_method)m, c->q, c->dq, c->dq_a,
@@ -99,8 +99,8 @@ static void check_batch(fuzz_case *c) {
         CHECK(row >= 0 && row <= ROWS && (whole || row == ROWS));
         for (size_t k = 0; k < ROWS; ++k) {
             const mr_status status = mr_inverse_dynamics_bounds(
-                model, &c->bounds, (mr_method)m, rows[0] + k * n, rows[1] + k * n,
-                rows[2] + k * n, rows[3] + k * n, c->drives, work, lo, hi);
+                model, &c->bounds, (mr_method)m, rows[0] + k * n, rows[1] + k * n, rows[2] + k * n,
+                rows[3] + k * n, c->drives, work, lo, hi);
             if ((int64_t)k == row) CHECK(status == whole);
             if (whole) continue;
             CHECK(status == MR_OK);
@@ -132,9 +132,8 @@ static void check_commands(fuzz_case *c) {
     double *work = memory(c, mr_workspace_size(model)), *u0 = outputs(c, n);
     for (int m = MR_HULL; m <= MR_IANEA; ++m) {
         double *lo = outputs(c, n), *hi = outputs(c, n);
-        const mr_status set =
-            mr_perturbation_bounds(model, &c->bounds, (mr_method)m, c->q, c->dq, c->dq_a, c->ddq_a,
-                                   work, u0, lo, hi);
+        const mr_status set = mr_perturbation_bounds(model, &c->bounds, (mr_method)m, c->q, c->dq,
+                                                     c->dq_a, c->ddq_a, work, u0, lo, hi);
         check_output(set, n, lo);
         check_output(set, n, hi);
         if (!set) check_order(n, lo, hi);

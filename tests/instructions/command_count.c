@@ -18,8 +18,12 @@ int main(int count, char **arguments) {
     bounds.prepared = prepared;
     double *work = malloc(mr_workspace_size(&model) * sizeof *work);
     double out[6][JOINTS];
-    mr_command_out answer = {.tau = out[0], .nominal = out[1], .v = out[2],
-                             .phi_lo = out[3], .phi_hi = out[4], .rho = out[5]};
+    mr_command_out answer = {.tau = out[0],
+                             .nominal = out[1],
+                             .v = out[2],
+                             .phi_lo = out[3],
+                             .phi_hi = out[4],
+                             .rho = out[5]};
     for (long round = 0; round < rounds; ++round) {
         mr_controller_state state = {0};
         for (int k = 0; k < STATES; ++k)

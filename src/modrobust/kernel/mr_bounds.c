@@ -205,8 +205,8 @@ mr_status mr_do_perturbation_bounds(const mr_model *model, const mr_bounds *boun
 }
 
 mr_status mr_do_bounds_slack(const mr_model *model, const mr_bounds *bounds, const double *q,
-                             const double *dq, const double *dq_a, const double *ddq_a,
-                             int drives, double *workspace, double *slack) {
+                             const double *dq, const double *dq_a, const double *ddq_a, int drives,
+                             double *workspace, double *slack) {
     if (!mr_is_sound(bounds)) return MR_NOT_FINITE;
     mr_workspace ws = mr_workspace_view(model, workspace);
     const mr_state given = {q, dq, dq_a, ddq_a, NULL, NULL};

@@ -90,8 +90,8 @@ void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const mr_
     }
 }
 
-void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds,
-                             const mr_state *state, MR_REAL *lo, MR_REAL *hi) {
+void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds, const mr_state *state,
+                             MR_REAL *lo, MR_REAL *hi) {
     for (int32_t i = 0; i < model->j; ++i) {
         if (!has_drive(&bounds->upper, i)) continue;
         const mr_interval drive = drive_box(model, bounds, &bounds->nominal, i, state);

@@ -31,8 +31,8 @@ int32_t mr_find_uncertain(int32_t b, const mr_parameters *lower, const mr_parame
 mr_status mr_inverse_dynamics(const mr_model *model, const mr_parameters *parameters,
                               const double *q, const double *dq, const double *dq_a,
                               const double *ddq_a, int drives, double *workspace, double *tau) {
-    IN_OUR_ENVIRONMENT(mr_do_inverse_dynamics(model, parameters, q, dq, dq_a, ddq_a, drives,
-                                              workspace, tau));
+    IN_OUR_ENVIRONMENT(
+        mr_do_inverse_dynamics(model, parameters, q, dq, dq_a, ddq_a, drives, workspace, tau));
 }
 
 mr_status mr_inverse_dynamics_rounding(const mr_model *model, const mr_parameters *parameters,
@@ -63,8 +63,8 @@ mr_status mr_perturbation_bounds(const mr_model *model, const mr_bounds *bounds,
 mr_status mr_bounds_slack(const mr_model *model, const mr_bounds *bounds, const double *q,
                           const double *dq, const double *dq_a, const double *ddq_a, int drives,
                           double *workspace, double *slack) {
-    IN_OUR_ENVIRONMENT(mr_do_bounds_slack(model, bounds, q, dq, dq_a, ddq_a, drives, workspace,
-                                          slack));
+    IN_OUR_ENVIRONMENT(
+        mr_do_bounds_slack(model, bounds, q, dq, dq_a, ddq_a, drives, workspace, slack));
 }
 
 mr_status mr_mass_matrix(const mr_model *model, const mr_parameters *parameters, const double *q,

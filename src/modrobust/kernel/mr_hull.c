@@ -136,9 +136,9 @@ static inline void ends_of(const mr_body_box *box, mr_lane f0, mr_lane least, mr
 }
 
 /* Range of one body's torque on the joint of each lane, less the nominal, (18). */
-static inline void deviation(const mr_uncertain_body *body, const mr_body_box *box,
-                             int prismatic, const mr_lane axis[9], mr_lane_mask active,
-                             mr_lane *lo, mr_lane *hi) {
+static inline void deviation(const mr_uncertain_body *body, const mr_body_box *box, int prismatic,
+                             const mr_lane axis[9], mr_lane_mask active, mr_lane *lo,
+                             mr_lane *hi) {
     const MR_REAL *e = body->e;
     mr_lane s[3], v[3];
     move_of(body, prismatic, axis, s, v);
@@ -181,8 +181,8 @@ static inline void deviation(const mr_uncertain_body *body, const mr_body_box *b
 
 /* The same where the tensor is about the body frame's origin, (18f). */
 static inline void deviation_about_frame(const mr_uncertain_body *body, const mr_body_box *box,
-                                         const double com[3], int prismatic,
-                                         const mr_lane axis[9], mr_lane *lo, mr_lane *hi) {
+                                         const double com[3], int prismatic, const mr_lane axis[9],
+                                         mr_lane *lo, mr_lane *hi) {
     mr_lane s[3], v[3], t[3], h[3], g[3];
     move_of(body, prismatic, axis, s, v);
     mr_cross(s, body->wa, t);

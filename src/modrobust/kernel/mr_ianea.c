@@ -78,9 +78,10 @@ static inline void moment_about_frame(const mr_lane w[3], const mr_lane wa[3], c
         const mr_lane twice = 2.0 * bent[k];
         const mr_lane slope_k = twice * c[k], slope_i = twice * c[i] + a[j];
         const mr_lane slope_j = twice * c[j] - a[i];
-        const mr_lane x_rad = ((MR_LANE_ABS(slope_k) * c_rad[k] + MR_LANE_ABS(slope_i) * c_rad[i]) +
-                               MR_LANE_ABS(slope_j) * c_rad[j]) +
-                              MR_LANE_ABS(bent[k]) * half;
+        const mr_lane x_rad =
+            ((MR_LANE_ABS(slope_k) * c_rad[k] + MR_LANE_ABS(slope_i) * c_rad[i]) +
+             MR_LANE_ABS(slope_j) * c_rad[j]) +
+            MR_LANE_ABS(bent[k]) * half;
         times_mass(point[0], radius[0], x[k] + bent[k] * (square + half), x_rad, &mid[k], &rad[k]);
     }
 }
@@ -92,8 +93,8 @@ static inline MR_REAL second_order(MR_REAL rate) {
 
 /* Force and moment of a register of bodies, in link axes about the link's origin. */
 static inline void body_box(const mr_model *model, const mr_bounds *bounds,
-                              const mr_motion_size *size, MR_REAL error, MR_REAL *bodies,
-                              int32_t b) {
+                            const mr_motion_size *size, MR_REAL error, MR_REAL *bodies,
+                            int32_t b) {
     const size_t stride = mr_body_stride(model);
     const double *box = mr_ranges(model, bounds);
     mr_lane from[MR_E], point[MR_POINT], radius[MR_POINT], sizes[3];
@@ -253,9 +254,10 @@ void mr_ianea(const mr_model *model, const mr_bounds *bounds, const mr_motion_si
         const MR_REAL *along = revolute ? own.n : own.f;
         const MR_REAL *along_rad = revolute ? own.n_rad : own.f_rad;
         const MR_REAL mid = mr_dot(along, z); /* A1:32, A1:34 */
-        const MR_REAL rad = mr_dot(along_rad, z_size) +
-                            (MR_U * (MR_CONSTANT_AXIS + MR_BOX_AXIS)) *
-                                BOX_NORM(MR_ABS, along, along_rad) + MR_ETA;
+        const MR_REAL rad =
+            mr_dot(along_rad, z_size) +
+            (MR_U * (MR_CONSTANT_AXIS + MR_BOX_AXIS)) * BOX_NORM(MR_ABS, along, along_rad) +
+            MR_ETA;
         ws->lo[i] = mr_down(mid - rad * growth);
         ws->hi[i] = mr_up(mid + rad * growth);
         parent = model->parent[i];

@@ -256,8 +256,8 @@ void mr_add_drives(const mr_model *model, const mr_parameters *parameters, const
                    MR_REAL *tau);
 void mr_add_drives_box(const mr_model *model, const mr_bounds *bounds, const mr_state *state,
                        MR_REAL *lo, MR_REAL *hi);
-void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds,
-                             const mr_state *state, MR_REAL *lo, MR_REAL *hi);
+void mr_add_drives_deviation(const mr_model *model, const mr_bounds *bounds, const mr_state *state,
+                             MR_REAL *lo, MR_REAL *hi);
 
 /* ws->mid: nominal torque; ws->lo, ws->hi: bounds of the torque (ianea), or of its difference from
  * nominal (hull), and ws->slack what rounding may add to either end of both. */
@@ -322,8 +322,8 @@ mr_status mr_do_perturbation_bounds(const mr_model *model, const mr_bounds *boun
                                     mr_method method, const mr_state *given, double *workspace,
                                     double *nominal, double *phi_lo, double *phi_hi);
 mr_status mr_do_bounds_slack(const mr_model *model, const mr_bounds *bounds, const double *q,
-                             const double *dq, const double *dq_a, const double *ddq_a,
-                             int drives, double *workspace, double *slack);
+                             const double *dq, const double *dq_a, const double *ddq_a, int drives,
+                             double *workspace, double *slack);
 mr_status mr_do_mass_matrix(const mr_model *model, const mr_parameters *parameters,
                             const double *q, int drives, double *workspace, double *M);
 mr_status mr_do_forward_dynamics(const mr_model *model, const mr_parameters *parameters,

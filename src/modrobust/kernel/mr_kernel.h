@@ -26,7 +26,8 @@ extern "C" {
 typedef enum {
     MR_OK = 0,
     MR_NOT_FINITE = 1,  /* an input or a result is infinite or not a number */
-    MR_ANGLE_RANGE = 2, /* an angle beyond MR_ANGLE_MAX: of a joint, or desired of one that wraps */
+    MR_ANGLE_RANGE =
+        2, /* an angle beyond MR_ANGLE_MAX: of a joint, or desired of one that wraps */
     MR_SINGULAR = 3,    /* the mass matrix is not positive definite */
     MR_TIME = 4,        /* time went backwards between two commands, by more than rounding */
     MR_DIVERGED = 5,    /* the closed loop left the range of the kernel */
@@ -67,7 +68,8 @@ typedef struct {
     const double *offset;          /* (j - n) [rad] or [m] */
     const int32_t *body_joint;     /* (b) joint that moves the body, -1 is the base */
     const mr_transform *placement; /* (b) body frame in its link frame */
-    const int32_t *inertia_about;  /* (b) mr_inertia_point: what all tensors of the body are about */
+    const int32_t
+        *inertia_about;  /* (b) mr_inertia_point: what all tensors of the body are about */
     double gravity[3];             /* in the base frame [m/s^2] */
     const double *precomputed;     /* what mr_precompute_model computed from all above */
     const int32_t *wraps;          /* (n) not 0: error of (4) less whole turns; NULL: nowhere */

@@ -20,8 +20,8 @@ void mr_expand_mimic(const mr_model *model, mr_state *state, MR_REAL *const full
             if (v == 0) *mimic_joint += model->offset[k];
         }
     }
-    *state = (mr_state){full[0], full[1], full[2], full[3], given[4] ? full[4] : NULL,
-                        given[5] ? full[5] : NULL};
+    *state = (mr_state){
+        full[0], full[1], full[2], full[3], given[4] ? full[4] : NULL, given[5] ? full[5] : NULL};
 }
 
 void mr_fold_mimic_torque(const mr_model *model, MR_REAL *tau) {

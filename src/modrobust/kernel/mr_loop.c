@@ -150,8 +150,7 @@ mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, con
         if (mr_do_command(model, bounds, gains, t, loop->q, loop->dq, qd, dqd, ddqd, workspace,
                           state, &out))
             return MR_DIVERGED;
-        const mr_state at =
-            mr_auxiliary(model, gains, loop->q, loop->dq, qd, dqd, ddqd, &a[DQ_A]);
+        const mr_state at = mr_auxiliary(model, gains, loop->q, loop->dq, qd, dqd, ddqd, &a[DQ_A]);
         for (int32_t i = 0; i < n; ++i) a[DRIVE][i] = out.tau[i] + true_disturbance[i];
         const int keep = loop->ticks % log_every == 0;
         if (keep && log_widths(model, bounds, &at, workspace, a, *logged, log)) {

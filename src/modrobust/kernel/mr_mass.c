@@ -80,10 +80,12 @@ void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
         if (model->body_joint[b] < 0) continue;
         static const double axes[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
         const double m = parameters->mass[b], *c = parameters->com + 3 * b;
-        const mr_composite given = {m, {0.0, 0.0, 0.0}, {
-            parameters->inertia[6 * b], parameters->inertia[6 * b + 1],
-            parameters->inertia[6 * b + 2], parameters->inertia[6 * b + 3],
-            parameters->inertia[6 * b + 4], parameters->inertia[6 * b + 5]}};
+        const mr_composite given = {
+            m,
+            {0.0, 0.0, 0.0},
+            {parameters->inertia[6 * b], parameters->inertia[6 * b + 1],
+             parameters->inertia[6 * b + 2], parameters->inertia[6 * b + 3],
+             parameters->inertia[6 * b + 4], parameters->inertia[6 * b + 5]}};
         mr_composite body = {0.0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}};
         if (model->inertia_about[b] == MR_ABOUT_FRAME) {
             body = given;
@@ -105,8 +107,7 @@ void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
             double f[3], n_parent[3];
             mr_add_cross(link->p, wrench.f, wrench.n); /* now about the joint frame's origin */
             const double *along = model->joint_type[j] == MR_REVOLUTE ? wrench.n : wrench.f;
-            M[i * n + j] = M[j * n + i] =
-                mr_dot(along, model->after[j].R + 6);
+            M[i * n + j] = M[j * n + i] = mr_dot(along, model->after[j].R + 6);
             if (parent < 0) break;
             mr_rotate(link->R, wrench.f, f);
             mr_rotate(link->R, wrench.n, n_parent);
@@ -116,8 +117,8 @@ void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
             j = parent;
         }
         if (drives)
-            M[i * n + i] += model->gear_ratio[i] * model->gear_ratio[i] *
-                            parameters->rotor_inertia[i];
+            M[i * n + i] +=
+                model->gear_ratio[i] * model->gear_ratio[i] * parameters->rotor_inertia[i];
         if (model->parent[i] >= 0) {
             double p[3];
             mr_rotate(links[i].R, links[i].p, p);
@@ -190,8 +191,8 @@ size_t mr_dynamics_workspace_size(const mr_model *model) {
     return mr_workspace_size(model) + j * (COMPOSITE_DOUBLES + j);
 }
 
-mr_status mr_do_mass_matrix(const mr_model *model, const mr_parameters *parameters, const double *q,
-                         int drives, double *workspace, double *M) {
+mr_status mr_do_mass_matrix(const mr_model *model, const mr_parameters *parameters,
+                            const double *q, int drives, double *workspace, double *M) {
     mr_workspace ws = mr_workspace_view(model, workspace);
     double *composite = workspace + mr_workspace_size(model);
     double *result = composite + (size_t)model->j * COMPOSITE_DOUBLES;
@@ -209,8 +210,8 @@ mr_status mr_do_mass_matrix(const mr_model *model, const mr_parameters *paramete
 }
 
 mr_status mr_do_forward_dynamics(const mr_model *model, const mr_parameters *parameters,
-                              const double *q, const double *dq, const double *tau, int drives,
-                              double *workspace, double *ddq) {
+                                 const double *q, const double *dq, const double *tau, int drives,
+                                 double *workspace, double *ddq) {
     mr_workspace ws = mr_workspace_view(model, workspace);
     double *composite = workspace + mr_workspace_size(model);
     double *M = composite + (size_t)model->j * COMPOSITE_DOUBLES;

@@ -128,8 +128,7 @@ void mr_backward_recursion(const mr_model *model, const mr_workspace *ws, MR_REA
         if (parent < 0) continue;
         mr_rotate(link->R, own_f, f);
         mr_rotate(link->R, own_n, n);
-        if (mr_of_joints(model)[i].before != MR_IDENTITY)
-            mr_add_cross(model->before[i].p, f, n);
+        if (mr_of_joints(model)[i].before != MR_IDENTITY) mr_add_cross(model->before[i].p, f, n);
     }
 }
 

@@ -121,18 +121,18 @@ static inline void mr_quadratic_range(const mr_quadratic *f, const double radius
                                        Q[2] * x[0] + Q[4] * x[1]);
     const mr_lane s = MR_OF_OPEN(g[0], g[1], g[2]), q = MR_OF_OPEN(Q[0], Q[3], Q[5]);
     const mr_lane end = MR_OF_OPEN(r[0], r[1], r[2]), above = s + c, below = s - c;
-    const mr_lane peak_slope = MR_LANE_SELECT(q < 0.0, above, below); /* q tells which has a peak */
+    const mr_lane peak_slope =
+        MR_LANE_SELECT(q < 0.0, above, below); /* q tells which has a peak */
     const mr_lane peak = peak_slope / (-2.0 * q), peak_value = 0.5 * (peak_slope * peak);
     const mr_lane_mask inside = MR_LANE_ABS(peak) <= end;
     const mr_lane at_end = q * end * end;
-    const mr_lane most = MR_LANE_SELECT((q < 0.0) & inside, peak_value,
-                                        at_end + MR_LANE_ABS(above) * end);
-    const mr_lane least = MR_LANE_SELECT((q > 0.0) & inside, peak_value,
-                                         at_end - MR_LANE_ABS(below) * end);
+    const mr_lane most =
+        MR_LANE_SELECT((q < 0.0) & inside, peak_value, at_end + MR_LANE_ABS(above) * end);
+    const mr_lane least =
+        MR_LANE_SELECT((q > 0.0) & inside, peak_value, at_end - MR_LANE_ABS(below) * end);
     *hi = MR_LANE_SELECT(some, (curved + rest) + most, *hi);
     *lo = MR_LANE_SELECT(some, (curved - rest) + least, *lo);
-    const mr_lane_mask several =
-        (open[0] & open[1]) | (open[0] & open[2]) | (open[1] & open[2]);
+    const mr_lane_mask several = (open[0] & open[1]) | (open[0] & open[2]) | (open[1] & open[2]);
     if (!mr_lane_any(several)) return;
 
     mr_quadratic negative;

@@ -8,8 +8,9 @@
  * computed after the caller's rounding mode is back. What a licence for a compiler would change is
  * written as plain expressions of doubles that were read once. */
 static int assumptions_hold(void) {
-    volatile double inputs[] = {1.0, 3.0, 5.0, 7.0, 0x1p-53, 0x1p-60, 0x1p-1022, 0x1p-1074,
-                                0x1.0000001p0, 2.0, -0.0, (double)INFINITY, (double)NAN};
+    volatile double inputs[] = {
+        1.0,       3.0,           5.0, 7.0,  0x1p-53,          0x1p-60,    0x1p-1022,
+        0x1p-1074, 0x1.0000001p0, 2.0, -0.0, (double)INFINITY, (double)NAN};
     const double one = inputs[0], three = inputs[1], five = inputs[2], seven = inputs[3];
     const double u = inputs[4], little = inputs[5], small = inputs[6], tiny = inputs[7];
     const double x = inputs[8], again = inputs[8], two = inputs[9], minus_zero = inputs[10];
@@ -21,15 +22,15 @@ static int assumptions_hold(void) {
     ok &= -one - u == -one && one - u == 0x1.fffffffffffffp-1; /* and on the other side */
     ok &= one / three == 0x1.5555555555555p-2;                 /* division to nearest */
     ok &= one / x == 0x1.ffffffe000000p-1;
-    ok &= five / 49.0 == 0x1.a1f58d0fac688p-4;                 /* no product with an inverse, of a */
+    ok &= five / 49.0 == 0x1.a1f58d0fac688p-4; /* no product with an inverse, of a */
     /* constant, nor of a divisor that several share */
     ok &= one / seven == 0x1.2492492492492p-3 && five / seven == 0x1.6db6db6db6db7p-1 &&
           three / seven == 0x1.b6db6db6db6dbp-2;
-    ok &= sqrt(two) == 0x1.6a09e667f3bcdp0;                    /* root to nearest */
+    ok &= sqrt(two) == 0x1.6a09e667f3bcdp0; /* root to nearest */
     ok &= 0.5 * small > 0.0 && tiny > 0.0 && tiny + tiny == 0x1p-1073; /* subnormals */
-    ok &= x * again - 0x1.0000002p0 == 0.0;                    /* no contraction keeps 2^-56 */
+    ok &= x * again - 0x1.0000002p0 == 0.0; /* no contraction keeps 2^-56 */
     ok &= (one + little) - one == 0.0 && (little + one) + little == one; /* no reassociation */
-    ok &= !signbit(minus_zero + 0.0);                          /* a zero has its sign */
+    ok &= !signbit(minus_zero + 0.0); /* a zero has its sign */
     ok &= nothing != nothing && !(nothing <= infinity) && !isfinite(nothing); /* not a number, */
     ok &= infinity > DBL_MAX && !isfinite(-infinity);
     ok &= !mr_all_finite(1, &nothing) && !mr_all_finite(1, &infinity); /* and infinity are seen */

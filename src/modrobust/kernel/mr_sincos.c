@@ -51,7 +51,8 @@ void mr_sine_cosine(mr_lane x, mr_lane *sine, mr_lane *cosine) {
     /* Quadrant k mod 4: odd ones exchange the two, bits of k and k + 1 give the signs. */
     const mr_lane_mask quadrant = MR_LANE_BITS(shifted);
     const mr_lane_mask odd = (quadrant & 1) != 0;
-    const mr_lane first = MR_LANE_SELECT(odd, cos_y, sin_y), second = MR_LANE_SELECT(odd, sin_y, cos_y);
+    const mr_lane first = MR_LANE_SELECT(odd, cos_y, sin_y),
+                  second = MR_LANE_SELECT(odd, sin_y, cos_y);
     *sine = MR_LANE_SELECT((quadrant & 2) != 0, -first, first);
     *cosine = MR_LANE_SELECT(((quadrant + 1) & 2) != 0, -second, second);
 }

@@ -22,8 +22,8 @@ void mr_torque_box(const mr_model *model, const mr_bounds *bounds, mr_method met
 void mr_total_bounds(const mr_model *model, mr_method method, const mr_workspace *ws) {
     if (method == MR_IANEA) return;
     for (int32_t i = 0; i < model->n; ++i) {
-        const mr_interval total = mr_i_add((mr_interval){ws->lo[i], ws->hi[i]},
-                                           (mr_interval){ws->mid[i], ws->mid[i]});
+        const mr_interval total =
+            mr_i_add((mr_interval){ws->lo[i], ws->hi[i]}, (mr_interval){ws->mid[i], ws->mid[i]});
         const mr_interval wide = mr_i_widen(total, ws->slack[i]);
         ws->lo[i] = wide.lo;
         ws->hi[i] = wide.hi;

@@ -26,7 +26,7 @@ pinocchio::SE3 se3(const mr_transform &T) {
                           Eigen::Map<const Eigen::Vector3d>(T.p));
 }
 
-}  // namespace
+} // namespace
 
 void peer_load(const mr_model *model, const mr_parameters *nominal, const int32_t *order) {
     peer.model.gravity.linear() = Eigen::Map<const Eigen::Vector3d>(model->gravity);
@@ -51,8 +51,8 @@ void peer_load(const mr_model *model, const mr_parameters *nominal, const int32_
         inertia << I[0], I[1], I[2], I[1], I[3], I[4], I[2], I[4], I[5];
         const Eigen::Vector3d com = Eigen::Map<const Eigen::Vector3d>(nominal->com + 3 * b);
         if (model->inertia_about[b] == MR_ABOUT_FRAME)
-            inertia -= nominal->mass[b] * (com.squaredNorm() * Eigen::Matrix3d::Identity() -
-                                           com * com.transpose());
+            inertia -= nominal->mass[b] *
+                       (com.squaredNorm() * Eigen::Matrix3d::Identity() - com * com.transpose());
         peer.model.appendBodyToJoint(ids[i], pinocchio::Inertia(nominal->mass[b], com, inertia),
                                      se3(model->after[i]) * se3(model->placement[b]));
     }

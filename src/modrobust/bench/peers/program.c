@@ -142,8 +142,8 @@ static mr_status run_one(program *p, subject *s, int32_t k) {
     const size_t at = (size_t)k * (size_t)p->model.n;
     const double *q = p->q + at, *dq = p->dq + at, *q_des = p->q_des + at;
     const double *dq_des = p->dq_des + at, *ddq_des = p->ddq_des + at;
-    mr_command_out out = {row(p, 0), row(p, 1), row(p, 2), row(p, 3), row(p, 4), row(p, 5),
-                          0.0,       0.0,       0.0};
+    mr_command_out out = {row(p, 0), row(p, 1), row(p, 2), row(p, 3), row(p, 4),
+                          row(p, 5), 0.0,       0.0,       0.0};
     switch (s->kind) {
     case SINCOS:
         for (int32_t i = 0; i < p->model.n; ++i) {
