@@ -1,4 +1,4 @@
-# make demo: the paper's case from nothing.  make test: the whole suite.  make lint, format, clean.
+# make demo: the paper's case from nothing.  make test: the whole suite.  make lint, format, build, clean.
 # make docs: the manual, in build/site; make docs-outputs: its commands' outputs, made again.
 # make coverage: the whole suite, and what of the Python and of the C it leaves out.
 # make dist: sdist and a wheel for each Python here, each tried in an empty environment.
@@ -26,7 +26,7 @@ PACKAGES := $(abspath $(VENV))/lib/python*/site-packages
 PARALLEL := -n auto --dist worksteal
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint format coverage coverage-python coverage-c dist docs docs-outputs fuzz clean
+.PHONY: demo test lint format build coverage coverage-python coverage-c dist docs docs-outputs fuzz clean
 
 demo: $(VENV)/.installed
 	$(BIN)/modrobust simulate lwa4p-paper --scenario 1
@@ -75,7 +75,10 @@ coverage-c: $(VENV)/.installed-test
 	  status=$$?; cut -c 1-98 $(COVERED)/c.txt; exit $$status
 	@echo "What of the C and C++ is left out: $(COVERED)/c.txt"
 
-# The last tests of .ci/run drive the command of build/dist/cp311 and its like.
+build: $(VENV)/.tools
+	rm -rf dist
+	$(BIN)/pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
+
 dist: $(VENV)/.installed-test
 	$(BIN)/python tools/dist.py
 

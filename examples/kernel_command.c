@@ -15,7 +15,9 @@ static const int32_t parent[N] = {-1, 0};
 static const mr_transform before[N] = {{TURN_NONE, {0, 0, 0}}, {TURN_NONE, {0, 0, 0}}};
 static const mr_transform after[N] = {{TURN_NONE, {0.35, 0, 0}}, {TURN_NONE, {0.35, 0, 0}}};
 static const double gear_ratio[N] = {100, 100}, coulomb_speed[N] = {1e-3, 1e-3};
+static const int32_t moves[N] = {0, 1}; /* entry i of every vector moves joint i */
 static const int32_t body_joint[BODIES] = {0, 1};
+static const int32_t inertia_about[BODIES] = {MR_ABOUT_COM, MR_ABOUT_COM};
 static const mr_transform placement[BODIES] = {{TURN_NONE, {-0.35, 0, 0}},
                                                {TURN_NONE, {-0.35, 0, 0}}};
 
@@ -52,8 +54,10 @@ int main(void) {
                       .after = after,
                       .gear_ratio = gear_ratio,
                       .coulomb_speed = coulomb_speed,
+                      .moves = moves,
                       .body_joint = body_joint,
                       .placement = placement,
+                      .inertia_about = inertia_about,
                       .gravity = {0, -9.81, 0}};
     if (mr_precomputed_size(&model) > MEMORY || mr_workspace_size(&model) > MEMORY) return 1;
     mr_precompute_model(&model, precomputed);
