@@ -127,7 +127,7 @@ def test_the_page_states_the_same_rates() -> None:
     assert f"$e = u({derived()['MOTION_JOINT']}D + {body:.0f})$" in PAGE
     joint, once, sums = (stated()[f"RADIUS_{name}"] for name in ("JOINT", "ONCE", "SUM"))
     assert f"$u({joint:.0f}D + {once:.0f} + {sums:.0f}(b + j))$" in PAGE
-    turn, moment, axis = (derived()[f"BOX_{name}"] for name in ("TURN", "MOMENT", "AXIS"))
+    turn, moment, axis = (derived()[f"BOX_{name}"] for name in ("ROTATION", "MOMENT", "AXIS"))
     for part in (f"$19u + {turn}u$", f"$15u + {moment}u$", f"$u + {axis}u$"):
         assert part in PAGE
     assert f"({stated()['DRIVE']:.0f} + j - n)" in PAGE
