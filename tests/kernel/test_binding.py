@@ -93,7 +93,7 @@ def test_a_leader_must_be_a_free_joint(leader: int) -> None:
 
 @pytest.mark.parametrize("at", range(4))
 def test_a_state_of_another_length_is_refused(at: int) -> None:
-    state = [np.zeros(N + 1) if k == at else ZERO for k in range(4)]
+    state: Any = [np.zeros(N + 1) if k == at else ZERO for k in range(4)]
     with pytest.raises(ValueError, match="expected 3 entries, got 4"):
         _kernel.inverse_dynamics(ROBOT.model, BOX[0], *state, True)
 

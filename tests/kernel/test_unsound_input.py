@@ -23,7 +23,7 @@ ZERO = np.zeros(N)
 STATE = (ZERO,) * 4
 NOMINAL, LOWER, UPPER = ROBOT.nominal.packed, ROBOT.lower.packed, ROBOT.upper.packed
 DISTURBANCE = np.stack([ROBOT.disturbance.lo, ROBOT.disturbance.hi])
-GAINS = (1.0, 1.0, 1.0, 1.0, 1e-2, 0)
+GAINS: Any = (1.0, 1.0, 1.0, 1.0, 1e-2, 0)  # the last is the law
 HULL = _kernel.HULL
 BAD = (np.nan, np.inf, -np.inf)
 
