@@ -93,9 +93,9 @@ def test_a_leader_must_be_a_free_joint(leader: int) -> None:
 
 @pytest.mark.parametrize("at", range(4))
 def test_a_state_of_another_length_is_refused(at: int) -> None:
-    state: Any = [np.zeros(N + 1) if k == at else ZERO for k in range(4)]
+    q, dq, dq_a, ddq_a = [np.zeros(N + 1) if k == at else ZERO for k in range(4)]
     with pytest.raises(ValueError, match="expected 3 entries, got 4"):
-        _kernel.inverse_dynamics(ROBOT.model, BOX[0], *state, True)
+        _kernel.inverse_dynamics(ROBOT.model, BOX[0], q, dq, dq_a, ddq_a, True)
 
 
 def test_parameters_of_another_length_are_refused() -> None:

@@ -23,7 +23,11 @@ ZERO = np.zeros(N)
 STATE = (ZERO,) * 4
 NOMINAL, LOWER, UPPER = ROBOT.nominal.packed, ROBOT.lower.packed, ROBOT.upper.packed
 DISTURBANCE = np.stack([ROBOT.disturbance.lo, ROBOT.disturbance.hi])
-GAINS: Any = (1.0, 1.0, 1.0, 1.0, 1e-2, 0)  # the last is the law
+GAINS: dict[str, Any] = {
+    **dict.fromkeys(("kappa_P", "kappa_I", "phi_P", "phi_I"), 1.0),
+    "epsilon": 1e-2,
+    "law": 0,
+}
 HULL = _kernel.HULL
 BAD = (np.nan, np.inf, -np.inf)
 
@@ -46,7 +50,7 @@ def bounds(lower: Any, nominal: Any, upper: Any, disturbance: Any) -> Iterator[A
         yield status(
             _kernel.inverse_dynamics_bounds_batch, *box, *(x[None] for x in STATE), code, True, 1
         )[:1]
-        controller = _kernel.Controller(*box, disturbance, np.ones(N), *GAINS, code)
+        controller = _kernel.Controller(*box, disturbance, np.ones(N), **GAINS, method=code)
         yield status(controller.command, 0.0, *STATE, ZERO)
     yield status(_kernel.bounds_slack, *box, *STATE, True)
 
@@ -130,5 +134,5 @@ def test_a_disturbance_that_is_no_interval_has_no_bounds(rows: Any) -> None:
     wrong = (_kernel.STATUS_NOT_FINITE,)
     for code in METHODS.values():
         assert status(_kernel.perturbation_bounds, *box, *STATE, code) == wrong
-        controller = _kernel.Controller(*box, np.ones(N), *GAINS, code)
+        controller = _kernel.Controller(*box, np.ones(N), **GAINS, method=code)
         assert status(controller.command, 0.0, *STATE, ZERO) == wrong
