@@ -16,7 +16,6 @@ KERNEL = Path(modrobust.kernel.__path__[0])
 OWN = [line for line in (KERNEL / "flags.txt").read_text().splitlines() if line.startswith("-")]
 SELF_TEST = ("mr_self_test", "mr_environment", "mr_sincos", "mr_entries")
 PROGRAM = '#include "mr_kernel.h"\nint main(void) { return mr_self_test() != MR_OK; }\n'
-MOVE = "it is refused now: move it to the table of refused flags"
 
 
 def table(heading: str) -> list[str]:
@@ -52,11 +51,6 @@ def test_an_allowed_flag_passes(compiler: str, flags: str, tmp_path: Path) -> No
 @pytest.mark.parametrize("flags", table("Refused"))
 def test_a_refused_flag_is_refused(compiler: str, flags: str, tmp_path: Path) -> None:
     assert not accepts(compiler, flags, tmp_path)
-
-
-@pytest.mark.parametrize("flags", table("Never"))
-def test_a_flag_that_nothing_notices_is_listed_as_such(flags: str, tmp_path: Path) -> None:
-    assert accepts("gcc", flags, tmp_path), MOVE
 
 
 def test_the_tables_are_read() -> None:

@@ -23,7 +23,7 @@ def test_the_table_of_the_paper_s_robot_is_what_the_runs_give() -> None:
             re.search(pattern, text)
             for pattern in (
                 r"violations +(\d+) of",
-                r"epsilon entered at +(\S+ s)\b",
+                r"epsilon entered at +permanently after (\S+ s)",
                 r"rho mean +(\S+),",
                 r"rho max +(\S+)\n",
             )

@@ -15,7 +15,7 @@ from fuzz import readers_fuzz
 from support.fuzz.reader_seeds import TIMOR
 
 HERE = Path(__file__).parent
-SECONDS = 30
+SECONDS = 60
 
 
 def test_no_reader_raises_anything_but_our_errors(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 import modrobust as mr
 from modrobust import _kernel
-from modrobust.synthetic import synthetic_chain
+from modrobust.model import synthetic_chain
 
 ROBOT = synthetic_chain(3)
 N = ROBOT.n
@@ -36,11 +36,14 @@ def parts(**changes: Any) -> list[Any]:
         "gravity": np.zeros(3),
         "body_joint": np.array([0, 1], np.int32),
         "placement": eye,
+        "inertia_about": np.zeros(2, np.int32),
         "gear_ratio": np.ones(2),
         "coulomb_speed": np.ones(2),
+        "moves": np.arange(2, dtype=np.int32),
         "leader": np.zeros(0, np.int32),
         "multiplier": np.zeros(0),
         "offset": np.zeros(0),
+        "wraps": np.zeros(2, np.int32),
     }
     return list({**whole, **changes}.values())
 

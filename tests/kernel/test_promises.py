@@ -13,7 +13,7 @@ from modrobust.model import synthetic_chain
 from support.kernel.native import FLAGS, FOLDER, Memory, Native, build, compile_objects, compiler
 
 SOURCES = sorted(FOLDER.glob("*.c"))
-SIZES = ("folded", "prepared", "workspace", "batch_workspace")
+SIZES = ("precomputed", "prepared", "workspace", "batch_workspace")
 OK = 0  # MR_OK
 MACROS = ("__FAST_MATH__", "__RECIPROCAL_MATH__", "__ASSOCIATIVE_MATH__", "__NO_SIGNED_ZEROS__")
 

@@ -14,8 +14,8 @@ import pytest
 
 import modrobust as mr
 from modrobust import _kernel
-from modrobust.kernel import METHODS
-from modrobust.synthetic import synthetic_chain
+from modrobust.kernel import BOUNDS
+from modrobust.model import synthetic_chain
 
 ROBOT = synthetic_chain(3)
 N = ROBOT.n
@@ -44,13 +44,13 @@ def status(call: Callable[..., Any], *arguments: Any) -> Any:
 def bounds(lower: Any, nominal: Any, upper: Any, disturbance: Any) -> Iterator[Any]:
     """Status of every function that is given a box of parameters."""
     box = (ROBOT.model, nominal, lower, upper)
-    for code in METHODS.values():
+    for code in BOUNDS.values():
         yield status(_kernel.inverse_dynamics_bounds, *box, *STATE, code, True)
         yield status(_kernel.perturbation_bounds, *box, disturbance, *STATE, code)
         yield status(
             _kernel.inverse_dynamics_bounds_batch, *box, *(x[None] for x in STATE), code, True, 1
         )[:1]
-        controller = _kernel.Controller(*box, disturbance, np.ones(N), **GAINS, method=code)
+        controller = _kernel.Controller(*box, disturbance, np.ones(N), **GAINS, bound=code)
         yield status(controller.command, 0.0, *STATE, ZERO)
     yield status(_kernel.bounds_slack, *box, *STATE, True)
 
@@ -71,7 +71,7 @@ def test_a_state_that_is_not_finite_gives_no_torque(vector: int, value: float) -
     assert status(_kernel.inverse_dynamics, *box[:2], *state, True) == wrong
     assert status(_kernel.inverse_dynamics_rounding, *box[:2], *state, True) == wrong
     assert status(_kernel.bounds_slack, *box, *state, True) == wrong
-    for code in METHODS.values():
+    for code in BOUNDS.values():
         batch = _kernel.inverse_dynamics_bounds_batch
         assert status(_kernel.inverse_dynamics_bounds, *box, *state, code, True) == wrong
         assert status(_kernel.perturbation_bounds, *box, DISTURBANCE, *state, code) == wrong
@@ -132,7 +132,7 @@ def test_a_disturbance_that_is_no_interval_has_no_bounds(rows: Any) -> None:
     disturbance = np.repeat(np.array(rows), N, axis=1)
     box = (ROBOT.model, NOMINAL, LOWER, UPPER, disturbance)
     wrong = (_kernel.STATUS_NOT_FINITE,)
-    for code in METHODS.values():
+    for code in BOUNDS.values():
         assert status(_kernel.perturbation_bounds, *box, *STATE, code) == wrong
-        controller = _kernel.Controller(*box, np.ones(N), **GAINS, method=code)
+        controller = _kernel.Controller(*box, np.ones(N), **GAINS, bound=code)
         assert status(controller.command, 0.0, *STATE, ZERO) == wrong
