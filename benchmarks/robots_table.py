@@ -89,8 +89,11 @@ def refusals() -> list[list[str]]:
         try:
             mr.load_robot(urdf)
         except mr.ModrobustError as problem:
-            said = str(problem).removeprefix(str(urdf)).removeprefix(" (expanded)")
-            said = said.lstrip(":0123456789 ")
+            first, *more = (
+                problem.faults if isinstance(problem, mr.SeveralFaultsError) else [problem]
+            )
+            said = str(first).removeprefix(str(urdf)).removeprefix(" (expanded)")
+            said = said.lstrip(":0123456789 ") + (f", and {len(more)} more faults" if more else "")
             rows.append([name, package, said.replace("|", "/").replace("<", "&lt;")])
         else:
             raise SystemExit(f"{name} is listed as refused, and loads")
