@@ -93,7 +93,7 @@ def refusals() -> list[list[str]]:
                 problem.faults if isinstance(problem, mr.SeveralFaultsError) else [problem]
             )
             said = str(first).removeprefix(str(urdf)).removeprefix(" (expanded)")
-            said = said.lstrip(":0123456789 ") + (f", and {len(more)} more faults" if more else "")
+            said = said.lstrip(":0123456789 ") + (f", and {len(more)} more" if more else "")
             rows.append([name, package, said.replace("|", "/").replace("<", "&lt;")])
         else:
             raise SystemExit(f"{name} is listed as refused, and loads")
