@@ -45,7 +45,7 @@ def encode(robot: mr.Robot, rng: np.random.Generator) -> bytes:
         out += [bytes([leader]), numbers([multiplier, offset])]
     bodies = zip(robot.body_joints, robot.framed, robot.placement, strict=True)
     for joint, framed, placement in bodies:
-        out += [bytes([joint + 1, framed]), transform(placement)]
+        out += [bytes([joint + 1, int(framed)]), transform(placement)]
     out.append(numbers(robot.base[:3, :3].T @ robot.gravity))
     points = robot.nominal, robot.lower, robot.upper
     upper = np.triu_indices(3)
