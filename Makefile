@@ -83,7 +83,7 @@ dist: $(VENV)/.installed-test
 	$(BIN)/python tools/dist.py
 
 docs: $(VENV)/.installed-docs
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 docs-outputs: $(VENV)/.installed-test
 	PYTHONPATH=tests $(BIN)/python tools/manual_outputs.py
