@@ -4,13 +4,20 @@ Rigid transforms and D-H tables are here too; files become a `Robot` in `modrobu
 """
 
 from modrobust.model.parameters import Bounded, Parameters
-from modrobust.model.parts import ControllerSettings, MimicJoints, ModuleNode, TrajectorySettings
+from modrobust.model.parts import (
+    ControllerSettings,
+    LoopSettings,
+    MimicJoints,
+    ModuleNode,
+    TrajectorySettings,
+)
 from modrobust.model.robot import Robot, check_robot
 from modrobust.model.synthetic import synthetic_chain
 
 __all__ = [
     "Bounded",
     "ControllerSettings",
+    "LoopSettings",
     "MimicJoints",
     "ModuleNode",
     "Parameters",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,15 +13,22 @@ from modrobust.model.parameters import freeze, remade
 
 @dataclass(frozen=True)
 class ControllerSettings:
-    """Gains of the robust control law; see docs/theory/equations.md, (3) to (8).
+    """Gains of the control law; see docs/theory/equations.md, (3) to (8) and (29) to (34).
 
     Args:
         K_r: Diagonal of K_r, positive, n of them [1/s].
-        law: ``"norm"``, the paper's (7).
+        law: ``"norm"``, the paper's (7); ``"componentwise"``; ``"sampled"``, for a held command;
+            ``"auto"``, ``"sampled"`` with gains that are chosen for the loop.
         bound: ``"hull"`` or ``"ianea"``.
         kappa_P, kappa_I: Gains of kappa, not negative [s/rad], [1/rad^2].
         phi_P, phi_I: Gains of phi, not negative [N m s/rad], [N m/rad^2].
         epsilon: Norm of the tracking error within which the integral rests, positive [rad] or [m].
+        kappa_max, phi_max: Ceilings of kappa and phi, positive.
+        leak: How fast the integral of kappa and phi decays [1/s].
+        hold_aware: Whether ``norm`` and ``componentwise`` allow for the hold.
+        G, Lambda, L_i: Gains of ``sampled`` [1/s], [1/s], [1/s^2]; None for the other laws.
+        blend: Time in which ``sampled`` leads from the state at the start to the motion [s].
+        integral, predictor, vector_saturation: Parts of ``sampled`` that can be left out.
 
     What takes them, such as `RobustController`, checks them.
     """
@@ -33,6 +41,53 @@ class ControllerSettings:
     phi_P: float = 1.0
     phi_I: float = 200.0
     epsilon: float = 0.01
+    kappa_max: float = math.inf
+    phi_max: float = math.inf
+    leak: float = 0.0
+    hold_aware: bool = False
+    G: float | None = None
+    Lambda: float | None = None
+    L_i: float | None = None
+    blend: float = 0.4
+    integral: bool = True
+    predictor: bool = True
+    vector_saturation: bool = True
+
+
+@dataclass(frozen=True)
+class LoopSettings:
+    """The loop as the drive runs it; see docs/theory/equations.md, (28).
+
+    Args:
+        rate: Commands a second [Hz]; each is held until the next takes its place.
+        delay: How late a command acts, in periods, 0 to 1.
+        noise_position, noise_velocity: Largest error of the measured q and dq, n of each [rad],
+            [rad/s] or [m], [m/s]; empty where there is none.
+        noise: ``"uniform"`` in that box, or ``"worst"``: always at the end that hides the error.
+        quantisation_position, quantisation_velocity: Steps of the measured q and dq, n of each;
+            empty where there are none.
+        velocity: ``"measured"``, or ``"differentiated"`` from the measured q.
+        filter: Corner of the first-order filter of a differentiated velocity [Hz].
+        saturation: Whether the drive cuts torques at the effort limits.
+        disturbance: ``"constant"``, ``"sine"``, ``"random"`` at every tick, or ``"worst"``, the end
+            of [d] that pushes away from the motion.
+        frequency: Of a sine [Hz].
+
+    What takes them, such as `simulate`, checks them.
+    """
+
+    rate: float = 1000.0
+    delay: float = 0.0
+    noise_position: tuple[float, ...] = ()
+    noise_velocity: tuple[float, ...] = ()
+    noise: str = "uniform"
+    quantisation_position: tuple[float, ...] = ()
+    quantisation_velocity: tuple[float, ...] = ()
+    velocity: str = "measured"
+    filter: float = 100.0
+    saturation: bool = False
+    disturbance: str = "constant"
+    frequency: float = 1.0
 
 
 @dataclass(frozen=True)

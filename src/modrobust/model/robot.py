@@ -31,13 +31,20 @@ from modrobust.model.checks import (
 from modrobust.model.definite import is_definite, pulled_to_definite, seeded_poses
 from modrobust.model.dh import DHTable, dh_table
 from modrobust.model.parameters import Bounded, Parameters, freeze, remade
-from modrobust.model.parts import ControllerSettings, MimicJoints, ModuleNode, TrajectorySettings
+from modrobust.model.parts import (
+    ControllerSettings,
+    LoopSettings,
+    MimicJoints,
+    ModuleNode,
+    TrajectorySettings,
+)
 from modrobust.model.physical import ABOUT_COM, ABOUT_FRAME, excess, inertia_about_com
 from modrobust.model.sampling import corner_point, physical_pull, sample_point
 
 __all__ = [
     "Bounded",
     "ControllerSettings",
+    "LoopSettings",
     "MimicJoints",
     "ModuleNode",
     "Parameters",
@@ -120,6 +127,8 @@ class Robot:
     scenario_notes: Mapping[str, str] = field(default_factory=dict)
     inertia_about: tuple[str, ...] = ()
     """Of the b tensors: "com" or "frame"; none given = the COM for all."""
+    loop: LoopSettings = field(default_factory=LoopSettings)
+    """The loop that the robot is run in where nothing else is said."""
 
     __reduce__ = remade
 
