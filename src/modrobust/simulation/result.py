@@ -16,16 +16,28 @@ from modrobust.checks.types import Array
 from modrobust.control import RobustController
 from modrobust.errors import ModrobustError
 from modrobust.kernel import own_environment
-from modrobust.model import ControllerSettings, Parameters, Robot
+from modrobust.model import ControllerSettings, LoopSettings, Parameters, Robot
 from modrobust.simulation.divergence import Divergence, find_divergence
-from modrobust.simulation.engine_loop import EngineLoop
 from modrobust.simulation.metrics import CHATTERING_LIMIT, chattering, plain, ratio, time_statistics
 from modrobust.simulation.remarks import remarks
 
 _LOG_FILE = (".npz", "a log")
 
 LOGGED = (
-    *("t", "q", "dq", "q_des", "dq_des", "ddq_des", "tau", "w", "phi_lo", "phi_hi", "rho"),
+    *(
+        "t",
+        "q",
+        "dq",
+        "q_des",
+        "dq_des",
+        "ddq_des",
+        "tau",
+        "nominal",
+        "w",
+        "phi_lo",
+        "phi_hi",
+        "rho",
+    ),
     *("width_hull", "width_ianea", "total_variation"),
 )
 
@@ -45,9 +57,11 @@ class LoopStatistics:
     tau_max: Array
     rho_sum: float
     rho_max: float
+    limited: int  # ticks at which a torque limit cut the command
+    ticks_at_limit: Array  # of each joint
 
     @classmethod
-    def of(cls, loop: _kernel.Loop | EngineLoop) -> LoopStatistics:
+    def of(cls, loop: _kernel.Loop) -> LoopStatistics:
         """The loop's figures as they are now."""
         return cls(
             ticks=loop.ticks,
@@ -61,6 +75,8 @@ class LoopStatistics:
             tau_max=np.array(loop.tau_max),
             rho_sum=loop.rho_sum,
             rho_max=loop.rho_max,
+            limited=loop.limited,
+            ticks_at_limit=np.array(loop.ticks_at_limit),
         )
 
 
@@ -76,6 +92,7 @@ class SimulationResult:
     robot: Robot
     settings: dict[str, Any]
     controller: ControllerSettings
+    loop: LoopSettings
     parameters: Parameters
     """True parameters of the plant."""
     statistics: LoopStatistics | None
@@ -94,7 +111,9 @@ class SimulationResult:
     ddq_des: Array
     """Desired accelerations, ``(m, n)`` [rad/s^2]."""
     tau: Array
-    """Torques, u of (3), ``(m, n)`` [N m]."""
+    """Torques, u of (3) or (32), as the drive has cut them, ``(m, n)`` [N m]."""
+    nominal: Array
+    """Nominal part of the torques, u_0, ``(m, n)`` [N m]."""
     w: Array
     """Perturbation that the true parameters make, (6), ``(m, n)`` [N m]."""
     phi_lo: Array
@@ -134,7 +153,7 @@ class SimulationResult:
             self.robot,
             self.parameters,
             self.controller,
-            1.0 / self.settings["control_rate"],
+            1.0 / self.loop.rate,
             self.t,
             self.q,
             self.dq,
@@ -149,7 +168,7 @@ class SimulationResult:
         s = self.statistics
         if s is None or s.ticks == 0 or self.diverged or s.error_last >= self.controller.epsilon:
             return None
-        return 0.0 if s.last_outside < 0.0 else s.last_outside + 1.0 / self.settings["control_rate"]
+        return 0.0 if s.last_outside < 0.0 else s.last_outside + 1.0 / self.loop.rate
 
     @property
     @own_environment()
@@ -169,7 +188,7 @@ class SimulationResult:
         """
         if len(self.t) == 0:
             return np.zeros(0)
-        controller = RobustController(self.robot, **vars(self.controller))
+        controller = RobustController(self.robot, loop=self.loop, **vars(self.controller))
         inputs = (self.q, self.dq, self.q_des, self.dq_des, self.ddq_des)
         try:
             controller.time_commands(self.t[:1000], *(x[:1000] for x in inputs))
