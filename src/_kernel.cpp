@@ -664,16 +664,15 @@ class Loop {
             require(m->shape(0) == count && m->shape(1) == n, "reference: expected shape (k, n)");
         require(log_every > 0, "log_every must be positive");
         const size_t rows = count / static_cast<size_t>(log_every) + 1;
-        static const char *const names[] = {"q",      "dq",         "q_des",       "dq_des",
-                                            "ddq_des", "tau",        "nominal",     "w",
-                                            "phi_lo", "phi_hi",     "rho",         "width_hull",
-                                            "width_ianea", "total_variation"};
+        static const char *const names[] = {
+            "q", "dq",     "q_des",  "dq_des", "ddq_des",    "tau",         "nominal",
+            "w", "phi_lo", "phi_hi", "rho",    "width_hull", "width_ianea", "total_variation"};
         constexpr size_t columns = sizeof names / sizeof *names;
         std::vector<Doubles> data(columns, Doubles(rows * n));
         Doubles t(rows);
-        mr_loop_log log = {t.data(),        data[0].data(),  data[1].data(),  data[2].data(),
-                           data[3].data(),  data[4].data(),  data[5].data(),  data[6].data(),
-                           data[7].data(),  data[8].data(),  data[9].data(),  data[10].data(),
+        mr_loop_log log = {t.data(),        data[0].data(),  data[1].data(), data[2].data(),
+                           data[3].data(),  data[4].data(),  data[5].data(), data[6].data(),
+                           data[7].data(),  data[8].data(),  data[9].data(), data[10].data(),
                            data[11].data(), data[12].data(), data[13].data()};
         const mr_parameters view = mr_parameters_view(&model.c, parameters.data());
         int32_t logged = 0;

@@ -72,7 +72,10 @@ static mr_status allow_for_hold(const mr_model *model, const mr_gains *gains, co
     return MR_OK;
 }
 
-static double ceiling(double value, double most) { return value > most ? most : value; }
+/* kappa or phi, not above its ceiling where it has one. */
+static double under(double value, double ceiling) {
+    return ceiling > 0.0 && value > ceiling ? ceiling : value;
+}
 
 mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
                         double t, const double *q, const double *dq, const double *q_des,
@@ -103,10 +106,11 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
     const double error = sqrt(error_squared);
     /* rounded up, underflow of the squares included */
     const double rho_norm = sqrt(rho_squared + 0x1p-1000) * (1.0 + (n + 4) * 0x1p-52);
-    const double decayed = state->integral * (1.0 - ceiling(gains->leak * elapsed, 1.0));
+    const double lost = gains->leak * elapsed;
+    const double decayed = lost < 1.0 ? state->integral * (1.0 - lost) : 0.0;
     const double integral = decayed + state->previous_f * elapsed;
-    const double kappa = ceiling(gains->kappa_P + gains->kappa_I * integral, gains->kappa_max);
-    const double phi = ceiling(gains->phi_P + gains->phi_I * integral, gains->phi_max);
+    const double kappa = under(gains->kappa_P + gains->kappa_I * integral, gains->kappa_max);
+    const double phi = under(gains->phi_P + gains->phi_I * integral, gains->phi_max);
     const double gain = kappa * rho_norm + phi; /* (7) */
     if (!isfinite(gain) || !isfinite(error)) return MR_NOT_FINITE;
     double *r = ws.dq_a_size, *v = ws.ddq_a_size; /* of no more use */

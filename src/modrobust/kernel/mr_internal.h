@@ -300,8 +300,20 @@ mr_state mr_auxiliary(const mr_model *model, const mr_gains *gains, const double
                       const double *ddq_des, double *const a[4]);
 
 /* Memory of mr_command beyond that of the dynamics: a matrix, then arrays of n. */
-enum { MR_ERROR, MR_RATE, MR_AHEAD_Q, MR_AHEAD_DQ, MR_AHEAD_DDQ, MR_NOMINAL, MR_FEEDBACK, MR_PULL,
-       MR_ACCELERATION, MR_OFFSET, MR_OFFSET_RATE, MR_COMMAND_ARRAYS };
+enum {
+    MR_ERROR,
+    MR_RATE,
+    MR_AHEAD_Q,
+    MR_AHEAD_DQ,
+    MR_AHEAD_DDQ,
+    MR_NOMINAL,
+    MR_FEEDBACK,
+    MR_PULL,
+    MR_ACCELERATION,
+    MR_OFFSET,
+    MR_OFFSET_RATE,
+    MR_COMMAND_ARRAYS
+};
 
 /* What the law `sampled` remembers, arrays of n in mr_controller_state.memory. */
 enum { MR_SIGMA, MR_PAST, MR_START, MR_START_RATE, MR_MEMORY };
@@ -392,9 +404,8 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
 mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
                              const mr_parameters *true_parameters, int32_t count,
                              const double *q_des, const double *dq_des, const double *ddq_des,
-                             int32_t log_every, double *workspace,
-                             mr_controller_state *state, mr_loop *loop, mr_loop_log *log,
-                             int32_t *logged);
+                             int32_t log_every, double *workspace, mr_controller_state *state,
+                             mr_loop *loop, mr_loop_log *log, int32_t *logged);
 int32_t mr_do_find_uncertain(int32_t b, const mr_parameters *lower, const mr_parameters *upper,
                              int32_t *uncertain);
 void mr_do_sincos(double x, double *sine, double *cosine);

@@ -181,7 +181,7 @@ mr_status mr_forward_kinematics(const mr_model *model, const double *q, double *
 typedef struct {
     const double *K_r; /* (n) diagonal [1/s], of norm and componentwise, as the next two lines */
     double kappa_P, kappa_I, phi_P, phi_I;
-    double kappa_max, phi_max; /* ceilings of kappa and phi, may be infinite */
+    double kappa_max, phi_max; /* ceilings of kappa and phi; 0: none */
     double leak;               /* decay of their integral [1/s] */
     double epsilon;            /* radius within which the integrators rest */
     mr_law law;
@@ -248,8 +248,8 @@ typedef struct {
     const double *noise_q, *noise_dq; /* (n) half widths of the box, or NULL */
     const double *step_q, *step_dq;   /* (n) or NULL; 0 = none */
     int32_t worst;        /* errors at the end of the box that hides r, instead of drawn ones */
-    double filter;        /* dq is differentiated from q, and this share of it taken; 0: measured */
-    uint64_t random[2];   /* state of the generator, not both 0 */
+    double filter; /* dq is differentiated from q, and this share of it taken; 0: measured */
+    uint64_t random[2]; /* state of the generator, not both 0 */
     int32_t started;
     double *previous_q, *rate; /* (n) of a differentiated velocity */
 } mr_sensor;
@@ -261,8 +261,8 @@ typedef enum { MR_CONSTANT = 0, MR_SINE = 1, MR_RANDOM = 2, MR_WORST = 3 } mr_di
 typedef struct {
     mr_disturbance_kind kind;
     const double *constant; /* (n) */
-    double frequency;       /* of a sine [Hz] */
-    uint64_t random[2];     /* state of the generator, not both 0 */
+    double frequency; /* of a sine [Hz] */
+    uint64_t random[2]; /* state of the generator, not both 0 */
 } mr_disturbance;
 
 /* A robot that is not ours: moves q and dq on by h under the torque (drives and disturbance). */
@@ -270,28 +270,28 @@ typedef mr_status (*mr_plant)(void *context, double h, const double *drive, doub
 
 /* The closed loop of controller and plant (23); the command is held for one tick. */
 typedef struct {
-    double dt;          /* tick [s] */
-    int32_t substeps;   /* steps of the integrator a tick */
-    int32_t implicit;   /* an implicit step instead of Runge-Kutta's, for stiff friction */
-    double delay;       /* ticks after which a command acts, 0 to 1 */
+    double dt; /* tick [s] */
+    int32_t substeps; /* steps of the integrator a tick */
+    int32_t implicit; /* an implicit step instead of Runge-Kutta's, for stiff friction */
+    double delay; /* ticks after which a command acts, 0 to 1 */
     int32_t saturation; /* the drive cuts commands at the limits of mr_gains.effort_limit */
     mr_sensor sensor;
     mr_disturbance disturbance;
-    mr_plant plant;     /* NULL: our own */
-    void *context;      /* of the plant */
-    int64_t ticks;      /* ticks done; time = ticks * dt */
+    mr_plant plant; /* NULL: our own */
+    void *context; /* of the plant */
+    int64_t ticks; /* ticks done; time = ticks * dt */
     int64_t violations; /* ticks at which w left [Phi], (24) */
     double violation_max;
-    double error_last;      /* |e| of (4) at the last tick */
-    double last_outside;    /* last time with error >= epsilon, -1 if never [s] */
+    double error_last; /* |e| of (4) at the last tick */
+    double last_outside; /* last time with error >= epsilon, -1 if never [s] */
     double error_max_after; /* largest error since then */
     double rho_sum, rho_max;
-    int64_t limited;          /* ticks at which a limit changed a command */
-    double *q, *dq;           /* (n) state of the plant */
-    double *tau_previous;     /* (n) */
-    double *tau_max;          /* (n) largest |tau| */
-    double *total_variation;  /* (n) sum of |tau_k - tau_(k-1)| over all ticks */
-    double *ticks_at_limit;   /* (n) ticks at which that joint's torque was cut, or at its limit */
+    int64_t limited; /* ticks at which a limit changed a command */
+    double *q, *dq; /* (n) state of the plant */
+    double *tau_previous; /* (n) */
+    double *tau_max; /* (n) largest |tau| */
+    double *total_variation; /* (n) sum of |tau_k - tau_(k-1)| over all ticks */
+    double *ticks_at_limit; /* (n) ticks at which that joint's torque was cut, or at its limit */
 } mr_loop;
 
 /* One logged tick: pointers to n doubles each. */
@@ -305,11 +305,10 @@ typedef struct {
  * of log_every into rows log_start, log_start + 1, ... of the log arrays and returns in *logged
  * how many. Stops with MR_DIVERGED at the tick that cannot be computed; all before it stands. */
 mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
-                          const mr_parameters *true_parameters, int32_t count,
-                          const double *q_des, const double *dq_des, const double *ddq_des,
-                          int32_t log_every, double *workspace,
-                          mr_controller_state *state, mr_loop *loop, mr_loop_log *log,
-                          int32_t *logged);
+                          const mr_parameters *true_parameters, int32_t count, const double *q_des,
+                          const double *dq_des, const double *ddq_des, int32_t log_every,
+                          double *workspace, mr_controller_state *state, mr_loop *loop,
+                          mr_loop_log *log, int32_t *logged);
 
 /* MR_PLATFORM where the machine or the build does not round as the proof in
  * docs/theory/rounding.md needs it; to be called once, before anything else. */

@@ -133,11 +133,11 @@ static mr_status move(const mr_model *model, const mr_bounds *bounds, const mr_g
         }
         for (int32_t i = 0; i < n; ++i) drive[i] = tau[i] + a[D][i];
         const mr_status status =
-            loop->plant ? loop->plant(loop->context, h, drive, loop->q, loop->dq)
-            : loop->implicit
-                ? mr_implicit_step(model, parameters, h, drive, workspace, memory, loop->q, loop->dq)
-                : mr_explicit_step(model, parameters, h, drive, workspace, memory, loop->q,
-                                   loop->dq);
+            loop->plant      ? loop->plant(loop->context, h, drive, loop->q, loop->dq)
+            : loop->implicit ? mr_implicit_step(model, parameters, h, drive, workspace, memory,
+                                                loop->q, loop->dq)
+                             : mr_explicit_step(model, parameters, h, drive, workspace, memory,
+                                                loop->q, loop->dq);
         if (status) return status;
     }
     return MR_OK;
@@ -158,8 +158,8 @@ mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, con
     double *a[ARRAYS];
     for (int k = 0; k < ARRAYS; ++k)
         a[k] = workspace + mr_command_workspace_size(model) + (size_t)k * (size_t)n;
-    mr_command_out out = {a[TAU], a[NOMINAL], a[V], a[PHI_LO], a[PHI_HI], a[RHO],
-                          0.0,    0.0,        0.0,  1.0};
+    mr_command_out out = {a[TAU], a[NOMINAL], a[V], a[PHI_LO], a[PHI_HI],
+                          a[RHO], 0.0,        0.0,  0.0,       1.0};
     double *kept = a[ARRAYS - 1] + n + mr_plant_memory_size(model);
     double *work = kept + mr_controller_memory_size(model);
     mr_slack_constants *constants = (mr_slack_constants *)(work + mr_slack_work(model));

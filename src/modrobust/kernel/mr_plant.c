@@ -200,8 +200,7 @@ mr_status mr_implicit_step(const mr_model *model, const mr_parameters *parameter
     for (size_t k = 0; k < ARRAYS; ++k) a[k] = memory + k * (size_t)n;
     double *M = memory + ARRAYS * (size_t)n, *q0 = a[Q0], *dq0 = a[DQ0], *dq1 = a[DQ1];
     for (int32_t i = 0; i < n; ++i) dq1[i] = dq[i];
-    mr_status status =
-        implicit_stage(model, parameters, g, drive, workspace, a, M, q, dq, dq1);
+    mr_status status = implicit_stage(model, parameters, g, drive, workspace, a, M, q, dq, dq1);
     if (status) return status;
     for (int32_t i = 0; i < n; ++i) { /* (1 - share) h times the first stage's slopes */
         q0[i] = q[i] + before * g * dq1[i];

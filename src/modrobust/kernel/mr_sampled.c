@@ -3,9 +3,7 @@
 
 #define MR_LEAST_SHARE 0.02 /* of the feedback, however little room the limits leave */
 
-size_t mr_controller_memory_size(const mr_model *model) {
-    return MR_MEMORY * (size_t)model->n;
-}
+size_t mr_controller_memory_size(const mr_model *model) { return MR_MEMORY * (size_t)model->n; }
 
 /* The way from the state at the start to the motion, (34): a quintic with the offsets o and do at
  * 0 and none at `blend`. Adds position, velocity and acceleration; any of them may be NULL. */
@@ -145,9 +143,8 @@ mr_status mr_sampled_command(const mr_model *model, const mr_bounds *bounds, con
         sigma[i] = state->started && gains->integral ? memory[MR_SIGMA * rows + (size_t)i] : 0.0;
         base[i] = nominal[i] + sigma[i];
     }
-    const double alpha = gains->vector_saturation
-                             ? share_with_room(n, gains->effort_limit, base, feedback)
-                             : 1.0;
+    const double alpha =
+        gains->vector_saturation ? share_with_room(n, gains->effort_limit, base, feedback) : 1.0;
     for (int32_t i = 0; i < n; ++i) {
         if (gains->integral) { /* (33) */
             if (alpha == 1.0) sigma[i] += gains->period * gains->L_i * pull[i];
