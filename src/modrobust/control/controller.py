@@ -16,8 +16,10 @@ Source: [GA17]. The command is computed in C, ``mr_command``.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -26,6 +28,7 @@ from numpy.typing import ArrayLike
 from modrobust import _kernel
 from modrobust.checks import as_array, as_number
 from modrobust.checks.types import Array
+from modrobust.control.rate import RateNeed, needed_rate
 from modrobust.control.settings import (
     AUTO,
     ControllerOptions,
@@ -43,6 +46,10 @@ if TYPE_CHECKING:
     from modrobust.design.gains import Design
 
 SOLVER_ERROR = 1e-6  # [rad s]: the usual absolute tolerance of ODE solvers
+
+
+class RateWarning(UserWarning):
+    """The loop is slower than the gains need, by an estimate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +100,9 @@ class RobustController:
         options: Settings by name, see `ControllerSettings`; ``K_r`` may be one number for all
             joints, a mapping by joint name, or ``(n,)``. None = the robot's own.
 
+    Warns:
+        RateWarning: A rate is given that is too slow for the gains, by an estimate.
+
     Raises:
         TypeError: No setting has that name.
         ShapeError: ``K_r`` does not have one entry a joint.
@@ -128,6 +138,11 @@ class RobustController:
             self._points = robot.nominal, robot.nominal
         self.settings = settings
         self.kernel = make_kernel_controller(robot, settings, self.loop, *self._points)
+        self._motion = motion
+        if rate is not None or loop is not None:
+            need = self.rate_need
+            if need is not None and need.warning is not None:
+                warnings.warn(need.warning, RateWarning, stacklevel=3)
 
     def __getstate__(self) -> dict[str, Any]:
         """For copy, deepcopy and pickle: everything, the kernel's state as numbers."""
@@ -144,6 +159,14 @@ class RobustController:
     def period(self) -> float:
         """T, for which a command is held [s]."""
         return 1.0 / self.loop.rate
+
+    @cached_property
+    def rate_need(self) -> RateNeed | None:
+        """The rate that this law and its gains need, estimated; None for laws that know the hold.
+
+        Of the motion that the controller was made for, else at rest.
+        """
+        return needed_rate(self.robot, self.settings, self.loop, self._motion)
 
     def command(
         self,

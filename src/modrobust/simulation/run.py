@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,7 @@ from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_number, did_you_mean
 from modrobust.checks.types import Array
 from modrobust.control import ControllerOptions, RobustController, settings_dict
+from modrobust.control.controller import RateWarning
 from modrobust.control.settings import kernel_loop, loop_dict
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
@@ -183,10 +185,12 @@ def simulate(
     scenario = None if scenario is None else str(scenario)
     seed = as_integer("seed", seed, 0)
     motion = make_trajectory(robot, trajectory)
-    controller = RobustController(
-        robot, rate=rate, delay=delay, loop=loop, motion=motion, **options
-    )
-    settled = controller.loop
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RateWarning)  # a remark of the run says it
+        controller = RobustController(
+            robot, rate=rate, delay=delay, loop=loop, motion=motion, **options
+        )
+    settled, need = controller.loop, controller.rate_need
     truth = true_robot(robot, parameters, scenario, seed, disturbance)
     if duration is not None:
         duration = as_number("duration", duration, "s")
@@ -227,6 +231,9 @@ def simulate(
         "motion_remarks": motion_remarks(robot, motion, duration),
         "duration": duration,
         "loop": loop_dict(settled),
+        "rate_needed": None if need is None else need.rate,
+        "rate_warning": None if need is None else need.warning,
+        "design": None if controller.design is None else controller.design.to_dict(),
         "substeps": steps.count,
         "integrator": steps.method,
         "plant": plant,
