@@ -24,7 +24,8 @@ def build_robot(
     gravity: Sequence[float | str] | None = None,
     payload: str | Description | None = None,
     disturbance: float | str | Description | None = None,
-    controller: Description | None = None,
+    controller: str | Description | None = None,
+    loop: Description | None = None,
     trajectory: Description | None = None,
     initial: Description | None = None,
     scenarios: Description | None = None,
@@ -55,6 +56,7 @@ def build_robot(
         payload: A body at the tip, see `load_robot`.
         disturbance: Bounds of the disturbance of each joint [N m] or [N]: one for all, or by name.
         controller: Settings of the controller: ``K_r`` [1/s] and the other gains.
+        loop: The loop as the drive runs it: ``rate`` [Hz], ``delay`` in periods, and so on.
         trajectory: The robot's own motion: ``kind`` and its keys.
         initial: State at the start: ``q`` [rad] or [m], ``dq`` [rad/s] or [m/s].
         scenarios: True parameters of simulations, by name.
@@ -78,6 +80,7 @@ def build_robot(
         "payload": payload,
         "disturbance": disturbance,
         "controller": controller,
+        "loop": loop,
         "trajectory": trajectory,
         "initial": initial,
         "scenarios": scenarios,

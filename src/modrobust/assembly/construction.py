@@ -90,6 +90,7 @@ def build(description: Assembly, parts: Parts) -> Robot:
         modules=parts.nodes,
         mimic=_mimic_joints(joints),
         inertia_about=abouts,
+        loop=description.loop.resolve(names, types),
     )
     refuse_singular(robot, [joint.item.where for joint in joints])
     remark = _unphysical(robot, parts.place)

@@ -24,6 +24,7 @@ from modrobust.formats.items import (
     Sines,
     Trajectory,
 )
+from modrobust.formats.loop import Loop, read_loop
 from modrobust.formats.models import (
     AssemblyModel,
     ControllerModel,
@@ -117,6 +118,7 @@ def resolved(
         initial_dq=attempt(lambda: _per_joint(initial[1], "initial.dq", "velocity"), None),
         scenarios={name: dict(scenario.set) for name, scenario in scenarios.items()},
         where=model.where,
+        loop=attempt(lambda: read_loop(model.loop), Loop()),
         urdf=attempt(lambda: _urdf(model, directory), None) if parts is None else None,
         source=model.source or (),
         notes=tuple(notes),

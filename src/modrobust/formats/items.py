@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 
+from modrobust.formats.loop import Loop
 from modrobust.formats.nodes import Node, Where
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.perjoint import PerJoint
@@ -197,3 +198,4 @@ class Assembly:
     notes: tuple[str, ...] = ()
     scenario_notes: Mapping[str, str] = field(default_factory=dict)
     urdf: UrdfSource | None = None  # in place of a chain
+    loop: Loop = field(default_factory=Loop)

@@ -25,6 +25,7 @@ from modrobust.formats.fields import (
     choice,
     refuse,
 )
+from modrobust.formats.loop import LoopModel
 from modrobust.formats.nodes import MapNode, Node, ScalarNode, kind_of
 from modrobust.formats.part_models import (
     DriveModel,
@@ -369,6 +370,7 @@ class AssemblyModel(Part):
     payload: PayloadModel | None = Field(None, description="Payload")
     disturbance: PerJointValue | None = Field(None, description="[N m] or [N] per joint, bounds")
     controller: ControllerModel | None = Field(None, description="Controller settings")
+    loop: LoopModel | None = Field(None, description="The loop as the drive runs it")
     trajectory: TrajectoryEntry | None = Field(None, description="Reference motion")
     initial: InitialModel | None = Field(None, description="State at the start")
     scenarios: Annotated[dict[str, ScenarioModel], as_dict] | None = Field(
