@@ -33,3 +33,12 @@ def test_a_robot_has_the_loop_of_its_description():
         noise_position=(0.0017453292519943296, 0.001),
         noise_velocity=(0.01, 0.01),
     )
+
+
+def test_a_robot_has_the_controller_of_its_description():
+    settings = build_robot("two", CHAIN, controller={"G": 40, "predictor": False}).controller
+    assert (settings.law, settings.G, settings.Lambda, settings.predictor) == (
+        *("sampled", 40.0, 20.0),
+        False,
+    )
+    assert build_robot("two", CHAIN, controller="auto").controller.law == "auto"

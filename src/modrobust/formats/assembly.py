@@ -9,13 +9,13 @@ from fractions import Fraction
 from pathlib import Path
 
 from modrobust.formats.bodies import read_inertia, read_masses
+from modrobust.formats.controller import Controller, read_controller
 from modrobust.formats.exact import nearest
 from modrobust.formats.faults import Faults
 from modrobust.formats.fields import check
 from modrobust.formats.inertia import box_body, box_is_physical
 from modrobust.formats.items import (
     Assembly,
-    Controller,
     Csv,
     Module,
     NestedItem,
@@ -27,7 +27,6 @@ from modrobust.formats.items import (
 from modrobust.formats.loop import Loop, read_loop
 from modrobust.formats.models import (
     AssemblyModel,
-    ControllerModel,
     NestedModel,
     PayloadModel,
     QuinticModel,
@@ -112,7 +111,7 @@ def resolved(
         disturbance=attempt(
             lambda: _per_joint(model.disturbance, "disturbance", "effort", bounds=True), None
         ),
-        controller=attempt(lambda: _controller(model.controller), Controller()),
+        controller=attempt(lambda: read_controller(model.controller), Controller()),
         trajectory=attempt(lambda: _trajectory(model.trajectory, directory), None),
         initial_q=attempt(lambda: _per_joint(initial[0], "initial.q", "position"), None),
         initial_dq=attempt(lambda: _per_joint(initial[1], "initial.dq", "velocity"), None),
@@ -283,25 +282,9 @@ def read_payload(model: PayloadModel, notes: list[str]) -> Payload:
 
 
 def _per_joint(
-    node: Node | None, field: str, kind: str, *, bounds: bool = False, positive: bool = False
+    node: Node | None, field: str, kind: str, *, bounds: bool = False
 ) -> PerJoint | None:
-    return None if node is None else PerJoint(node, field, kind, bounds, positive)
-
-
-def _controller(model: ControllerModel | None) -> Controller:
-    if model is None:
-        return Controller()
-    gains = {
-        name: _at_least(getattr(model, name), "number", f"controller.{name}", 0.0)
-        for name in ("kappa_P", "kappa_I", "phi_P", "phi_I")
-    }
-    return Controller(
-        law=model.law,
-        bound=model.bound,
-        K_r=_per_joint(model.K_r, "controller.K_r", "rate", positive=True),
-        epsilon=_above_zero(model.epsilon, ("angle", "length"), "controller.epsilon"),
-        **gains,
-    )
+    return None if node is None else PerJoint(node, field, kind, bounds)
 
 
 def _trajectory(model: TrajectoryEntry | None, directory: Path) -> Trajectory | None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 
+from modrobust.formats.controller import Controller
 from modrobust.formats.loop import Loop
 from modrobust.formats.nodes import Node, Where
 from modrobust.formats.overlay import UrdfSource
@@ -132,20 +133,6 @@ class Payload:
     inertia_about: str
     assumed_point: bool
     where: Where
-
-
-@dataclass(frozen=True)
-class Controller:
-    """Controller settings of the file; None = not written, the default holds."""
-
-    law: str | None = None
-    bound: str | None = None
-    K_r: PerJoint | None = None  # [1/s]
-    kappa_P: float | None = None
-    kappa_I: float | None = None
-    phi_P: float | None = None
-    phi_I: float | None = None
-    epsilon: float | None = None  # [rad] or [m]
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from modrobust.checks import did_you_mean
+from modrobust.formats.controller import ControllerEntry
 from modrobust.formats.fields import (
     Anything,
     Flag,
@@ -236,21 +237,6 @@ class PayloadModel(Part):
     size: Vector | None = Field(None, description="Edges of a homogeneous box [m]")
 
 
-class ControllerModel(Part):
-    """Settings of the robust controller."""
-
-    law: Annotated[str, choice("norm")] | None = Field(None, description="Control law")
-    bound: Annotated[str, choice("hull", "ianea")] | None = Field(
-        None, description="Bound of the perturbation"
-    )
-    K_r: PerJointValue | None = Field(None, description="[1/s] per joint")
-    kappa_P: Point | None = Field(None, description="Proportional gain of kappa")
-    kappa_I: Point | None = Field(None, description="Integral gain of kappa")
-    phi_P: Point | None = Field(None, description="Proportional gain of phi")
-    phi_I: Point | None = Field(None, description="Integral gain of phi")
-    epsilon: Point | None = Field(None, description="Tracking error to reach [rad] or [m]")
-
-
 class SinesModel(Part):
     """Products of sines, (13) of the paper."""
 
@@ -369,7 +355,7 @@ class AssemblyModel(Part):
     )
     payload: PayloadModel | None = Field(None, description="Payload")
     disturbance: PerJointValue | None = Field(None, description="[N m] or [N] per joint, bounds")
-    controller: ControllerModel | None = Field(None, description="Controller settings")
+    controller: ControllerEntry | None = Field(None, description="Controller settings")
     loop: LoopModel | None = Field(None, description="The loop as the drive runs it")
     trajectory: TrajectoryEntry | None = Field(None, description="Reference motion")
     initial: InitialModel | None = Field(None, description="State at the start")

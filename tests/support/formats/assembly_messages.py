@@ -177,7 +177,10 @@ ASSEMBLY_CASES = [
         "a law that is none",
         "law: norm",
         "law: form",
-        ('r.yaml:10: controller.law: "form" is not allowed here; did you mean "norm"? known: norm'),
+        (
+            'r.yaml:10: controller.law: "form" is not allowed here; did you mean "norm"? known: '
+            "norm, componentwise, sampled, auto"
+        ),
     ),
     (
         "an epsilon of zero",
