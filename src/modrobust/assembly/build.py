@@ -23,6 +23,7 @@ def build_robot(
     base: Description | None = None,
     gravity: Sequence[float | str] | None = None,
     payload: str | Description | None = None,
+    payloads: Mapping[str, str | Description] | None = None,
     disturbance: float | str | Description | None = None,
     controller: str | Description | None = None,
     loop: Description | None = None,
@@ -54,6 +55,7 @@ def build_robot(
         base: World to base frame: ``xyz`` (3,) [m], ``rpy`` (3,) [rad].
         gravity: In world axes, (3,) [m/s^2]; None = 9.81 m/s^2 along -z.
         payload: A body at the tip, see `load_robot`.
+        payloads: Several bodies at the tip by name, in place of one; ``"none"`` is no body.
         disturbance: Bounds of the disturbance of each joint [N m] or [N]: one for all, or by name.
         controller: Settings of the controller: ``K_r`` [1/s] and the other gains.
         loop: The loop as the drive runs it: ``rate`` [Hz], ``delay`` in periods, and so on.
@@ -78,6 +80,7 @@ def build_robot(
         "base": base,
         "gravity": gravity,
         "payload": payload,
+        "payloads": payloads,
         "disturbance": disturbance,
         "controller": controller,
         "loop": loop,

@@ -186,3 +186,4 @@ class Assembly:
     scenario_notes: Mapping[str, str] = field(default_factory=dict)
     urdf: UrdfSource | None = None  # in place of a chain
     loop: Loop = field(default_factory=Loop)
+    payloads: Mapping[str, Payload] = field(default_factory=dict)  # `payload` is then their box

@@ -37,6 +37,7 @@ from modrobust.formats.part_models import (
     LinkOverlay,
     ToleranceModel,
 )
+from modrobust.formats.payloads import PayloadEntry, PayloadModel
 
 ENTRY_KINDS = ("joint", "body", "frame", "module")
 
@@ -227,16 +228,6 @@ Mounted = Annotated[
 ]
 
 
-class PayloadModel(Part):
-    """The body in the end frame of an instance."""
-
-    at: Text | None = Field(None, description="Instance, default the last")
-    mass: Value = Field(description="Mass [kg]")
-    com: Vector = Field(description="Centre of mass [m] in the end frame")
-    inertia: InertiaModel | None = Field(None, description="Inertia tensor [kg m^2]")
-    size: Vector | None = Field(None, description="Edges of a homogeneous box [m]")
-
-
 class SinesModel(Part):
     """Products of sines, (13) of the paper."""
 
@@ -354,6 +345,9 @@ class AssemblyModel(Part):
         "this file",
     )
     payload: PayloadModel | None = Field(None, description="Payload")
+    payloads: Annotated[dict[str, PayloadEntry], as_dict] | None = Field(
+        None, description="Several payloads by name, in place of one; the bounds hold for each"
+    )
     disturbance: PerJointValue | None = Field(None, description="[N m] or [N] per joint, bounds")
     controller: ControllerEntry | None = Field(None, description="Controller settings")
     loop: LoopModel | None = Field(None, description="The loop as the drive runs it")

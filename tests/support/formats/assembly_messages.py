@@ -10,8 +10,8 @@ ASSEMBLY_CASES = [
         (
             'r.yaml:8: unknown key "paylod"; did you mean "payload"? known: modrobust, '
             "robot, source, notes, modules, base, gravity, chain, urdf, base_link, tip_link, lock, "
-            "links, joints, tolerance, xacro, packages, payload, disturbance, controller, "
-            "loop, trajectory, initial, "
+            "links, joints, tolerance, xacro, packages, payload, payloads, disturbance, "
+            "controller, loop, trajectory, initial, "
             "scenarios"
         ),
     ),
