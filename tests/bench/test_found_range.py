@@ -109,7 +109,7 @@ def test_the_disturbance_belongs_to_the_range() -> None:
 
 def test_states_of_a_run_are_spread_and_moving() -> None:
     robot = replace(synthetic_chain(2), coulomb_speed=np.full(2, 1e-2))
-    run = mr.simulate(robot, duration=0.2, control_rate=10e3)
+    run = mr.simulate(robot, duration=0.2, rate=10e3)
     result = trajectory_tightness(run, 7)
     assert result.where == "7 states of the trajectory"
     assert result.width_hull.shape == (7, 2)

@@ -114,7 +114,7 @@ def resolved(robot: Robot) -> str:
 
 def run_of(robot: Robot) -> bytes:
     """Bits of a short run."""
-    result = mr.simulate(robot, duration=0.02, control_rate=1e3)
+    result = mr.simulate(robot, duration=0.02, rate=1e3)
     return data([result.q, result.q_des, result.tau, result.phi_lo, result.rho])
 
 

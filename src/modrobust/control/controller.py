@@ -16,25 +16,40 @@ Source: [GA17]. The command is computed in C, ``mr_command``.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from modrobust import _kernel
-from modrobust.checks import as_array, as_number, as_real, did_you_mean
+from modrobust.checks import as_array, as_number
 from modrobust.checks.types import Array
-from modrobust.errors import ModrobustError, ShapeError, ValueRangeError
-from modrobust.kernel import BOUNDS, own_environment, status_error
-from modrobust.model import ControllerSettings, Robot, check_robot
+from modrobust.control.rate import RateNeed, needed_rate
+from modrobust.control.settings import (
+    AUTO,
+    ControllerOptions,
+    checked_loop,
+    checked_settings,
+    make_kernel_controller,
+)
+from modrobust.design.points import central_parameters, light_parameters
+from modrobust.errors import ModrobustError, ValueRangeError
+from modrobust.kernel import own_environment, status_error
+from modrobust.model import ControllerSettings, LoopSettings, Robot, check_robot
+from modrobust.motion import Trajectory, make_trajectory
 
-LAWS: Mapping[str, int] = {"norm": 0}
+if TYPE_CHECKING:
+    from modrobust.design.gains import Design
 
 SOLVER_ERROR = 1e-6  # [rad s]: the usual absolute tolerance of ODE solvers
 
-PerJoint = float | Mapping[str, float] | Sequence[float] | Array
+
+class RateWarning(UserWarning):
+    """The loop is slower than the gains need, by an estimate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,11 +57,11 @@ class Command:
     """What the controller answers; [N] for prismatic joints."""
 
     tau: Array
-    """Torque to apply, u of (3): ``nominal + v``, ``(n,)`` [N m]."""
+    """Torque to apply, u of (3) or (32): ``nominal + v``, ``(n,)`` [N m]."""
     nominal: Array
     """Nominal part u_0, the very numbers that the set Phi refers to, ``(n,)`` [N m]."""
     v: Array
-    """Robust part, (7), ``(n,)`` [N m]."""
+    """Robust part, (7), (29), or feedback and sigma of (32), ``(n,)`` [N m]."""
     phi_lo: Array
     """Lower bound of the perturbation, (12), ``(n,)`` [N m]."""
     phi_hi: Array
@@ -57,34 +72,43 @@ class Command:
     """Euclidean norm of ``rho`` [N m]."""
     integral_rate: float
     """f of the tracking error's norm: how fast the integral of the gains grows [rad]."""
+    alpha: float
+    """Share of the feedback that the torque limits leave room for, (32), of ``sampled``; else 1."""
 
 
 class RobustController:
-    r"""The control law (3), (4), (7), (8) for one robot, with its integrators.
+    r"""The control law for one robot, with what it remembers from tick to tick.
 
     .. math::
        \kappa(t) = \kappa_P + \kappa_I \int_0^t f(\|\tilde q\|)\,d\tau, \quad
        \varphi(t) = \varphi_P + \varphi_I \int_0^t f(\|\tilde q\|)\,d\tau, \quad
        f(x) = 0 \text{ if } x < \varepsilon \text{ else } x
 
-    The integral advances by ``f(previous error) (t - previous t)`` at each command, by 0 at the
-    first: it never uses an error that the robot has not yet had.
+    of the laws ``norm``, (7), and ``componentwise``, whose integral advances by ``f(previous error)
+    (t - previous t)`` at each command, by 0 at the first: it never uses an error that the robot has
+    not yet had. The law ``sampled``, (31) to (34), is made for a command that is held for a period
+    and may act late; ``auto`` is the same with gains that `modrobust.design.design` chooses for the
+    robot's box, the loop and the motion.
 
     Args:
-        robot: Robot with ``n`` joints. Its controller settings are the defaults of the rest.
-        law: ``"norm"``, the paper's (7).
-        bound: How [Phi] is computed: ``"hull"``, the exact hull, or ``"ianea"``, Algorithm 1.
-        K_r: Diagonal of K_r [1/s], positive: one number for all joints, a mapping by joint name,
-            or ``(n,)``.
-        kappa_P, kappa_I: Gains of kappa [s/rad], [1/rad^2]; not negative.
-        phi_P, phi_I: Gains of phi [N m s/rad], [N m/rad^2]; not negative.
-        epsilon: Norm of the tracking error within which the integral rests [rad] or [m]; positive.
+        robot: Robot with ``n`` joints. Its controller and loop are the defaults of the rest.
+        rate: Commands a second [Hz]; each is held until the next.
+        delay: How late a command acts, in periods, 0 to 1.
+        loop: The whole loop, instead of the robot's; rate and delay are laid over it.
+        motion: What ``auto`` chooses gains for: a `Trajectory`; None = the robot's own, else any
+            motion within the limits of positions and velocities.
+        options: Settings by name, see `ControllerSettings`; ``K_r`` may be one number for all
+            joints, a mapping by joint name, or ``(n,)``. None = the robot's own.
+
+    Warns:
+        RateWarning: A rate is given that is too slow for the gains, by an estimate.
 
     Raises:
+        TypeError: No setting has that name.
         ShapeError: ``K_r`` does not have one entry a joint.
         ValueRangeError: A setting is unknown, not finite or out of its range.
 
-    Source: (3) to (8) and Section V of [GA17].
+    Source: (3) to (8) and Section V of [GA17]; (29) and (31) to (34) are our own.
     """
 
     @own_environment()
@@ -92,49 +116,57 @@ class RobustController:
         self,
         robot: Robot,
         *,
-        law: str | None = None,
-        bound: str | None = None,
-        K_r: PerJoint | None = None,
-        kappa_P: float | None = None,
-        kappa_I: float | None = None,
-        phi_P: float | None = None,
-        phi_I: float | None = None,
-        epsilon: float | None = None,
+        rate: float | None = None,
+        delay: float | None = None,
+        loop: LoopSettings | None = None,
+        motion: Trajectory | None = None,
+        **options: Unpack[ControllerOptions],
     ) -> None:
         check_robot(robot)
-        own = robot.controller
-
-        def gain(name: str, value: float | None) -> float:
-            return _gain(name, getattr(own, name) if value is None else value)
-
         self.robot = robot
-        self.settings = ControllerSettings(
-            K_r=_per_joint("K_r", robot, own.K_r if K_r is None else K_r),
-            law=_known("law", own.law if law is None else law, LAWS),
-            bound=_known("bound", own.bound if bound is None else bound, BOUNDS),
-            kappa_P=gain("kappa_P", kappa_P),
-            kappa_I=gain("kappa_I", kappa_I),
-            phi_P=gain("phi_P", phi_P),
-            phi_I=gain("phi_I", phi_I),
-            epsilon=gain("epsilon", epsilon),
-        )
-        if self.settings.epsilon <= 0.0:
-            raise ValueRangeError(
-                f"epsilon: {self.settings.epsilon:g}; must be positive: it is the radius that the "
-                "tracking error is to stay in"
-            )
-        self.kernel = make_kernel_controller(robot, self.settings)
+        self.loop = checked_loop(robot, loop, rate, delay)
+        settings = checked_settings(robot, options)
+        self.design: Design | None = None
+        if settings.law == AUTO:
+            self.design = chosen(robot, settings, self.loop, motion)
+            settings = self.design.settings
+            self._points = self.design.central, self.design.light
+        elif settings.law == "sampled" or settings.hold_aware:
+            central = central_parameters(robot)
+            self._points = central, light_parameters(robot, central)
+        else:  # not used
+            self._points = robot.nominal, robot.nominal
+        self.settings = settings
+        self.kernel = make_kernel_controller(robot, settings, self.loop, *self._points)
+        self._motion = motion
+        if rate is not None or loop is not None:
+            need = self.rate_need
+            if need is not None and need.warning is not None:
+                warnings.warn(need.warning, RateWarning, stacklevel=3)
 
     def __getstate__(self) -> dict[str, Any]:
-        """For copy, deepcopy and pickle: everything, the integrators as numbers."""
+        """For copy, deepcopy and pickle: everything, the kernel's state as numbers."""
         return {**self.__dict__, "kernel": self.kernel.memory()}
 
     @own_environment()
     def __setstate__(self, state: Mapping[str, Any]) -> None:
-        """A copy has integrators of its own, which stand where those of the original stood."""
+        """A copy has a state of its own, which stands where that of the original stood."""
         self.__dict__.update(state)
-        self.kernel = make_kernel_controller(self.robot, self.settings)
+        self.kernel = make_kernel_controller(self.robot, self.settings, self.loop, *self._points)
         self.kernel.recall(*state["kernel"])
+
+    @property
+    def period(self) -> float:
+        """T, for which a command is held [s]."""
+        return 1.0 / self.loop.rate
+
+    @cached_property
+    def rate_need(self) -> RateNeed | None:
+        """The rate that this law and its gains need, estimated; None for laws that know the hold.
+
+        Of the motion that the controller was made for, else at rest.
+        """
+        return needed_rate(self.robot, self.settings, self.loop, self._motion)
 
     def command(
         self,
@@ -145,7 +177,10 @@ class RobustController:
         dq_des: ArrayLike,
         ddq_des: ArrayLike,
     ) -> Command:
-        """The torque for the state measured at time ``t``, (3), (4), (7) and (8).
+        """The torque for the state measured at time ``t``.
+
+        The laws ``norm`` and ``componentwise`` are (3), (4), (7), (8) and (29); ``sampled`` is (31)
+        to (34): it takes each call for one tick, a period after the one before.
 
         Args:
             t: Time [s]; not before that of the previous command, but for its rounding.
@@ -160,7 +195,7 @@ class RobustController:
 
         On an error the integrators are as they were: the next command can follow.
 
-        Source: (3), (4), (7), (8) of [GA17]; kernel twin ``mr_command``.
+        Source: (3), (4), (7), (8) of [GA17], (31) to (34); kernel twin ``mr_command``.
         """
         time = as_number("t", t, "s")
         if not math.isfinite(time):
@@ -172,7 +207,10 @@ class RobustController:
             raise self._refusal(problem, signals) from None
         tau, nominal, v, phi_lo, phi_hi, rho = out
         kernel = self.kernel
-        return Command(tau, nominal, v, phi_lo, phi_hi, rho, kernel.rho_norm, kernel.integral_rate)
+        return Command(
+            *(tau, nominal, v, phi_lo, phi_hi, rho),
+            *(kernel.rho_norm, kernel.integral_rate, kernel.alpha),
+        )
 
     def torque(
         self,
@@ -200,11 +238,16 @@ class RobustController:
 
         Raises:
             ShapeError: A vector does not have ``n`` entries.
-            ValueRangeError: A number is none, not finite or negative, or an angle is beyond 1e5 rad
-                as for `command`.
+            ValueRangeError: A number is none, not finite or negative, an angle is beyond 1e5 rad
+                as for `command`, or the law is ``sampled``.
 
         Source: (3), (4), (7), (8) of [GA17]; kernel twin ``mr_command``.
         """
+        if self.settings.law == "sampled":
+            raise ValueRangeError(
+                'law: "sampled" is no function of the state alone: it goes from tick to tick; call '
+                'command() once a period, or take the law "norm"'
+            )
         value = as_number("integral", integral)
         if not (math.isfinite(value) and value >= -SOLVER_ERROR):
             raise ValueRangeError(
@@ -217,7 +260,7 @@ class RobustController:
         except _kernel.KernelError as problem:
             raise self._refusal(problem, signals) from None
         tau, nominal, v, phi_lo, phi_hi, rho = out
-        return Command(tau, nominal, v, phi_lo, phi_hi, rho, rho_norm, rate)
+        return Command(tau, nominal, v, phi_lo, phi_hi, rho, rho_norm, rate, 1.0)
 
     def reset(self) -> None:
         """Forget time and integrals, as if no command had been given yet."""
@@ -288,70 +331,12 @@ class RobustController:
         return {name: as_array(name, value, shape, owner) for name, value in named.items()}
 
 
-def _known(name: str, value: str, known: Mapping[str, int]) -> str:
-    if isinstance(value, str) and value in known:
-        return value
-    hint = did_you_mean(value, known)
-    raise ValueRangeError(f'{name}: no {name} "{value}"; {hint}known: {", ".join(known)}')
+def chosen(
+    robot: Robot, settings: ControllerSettings, loop: LoopSettings, motion: Trajectory | None
+) -> Design:
+    """The design of the law ``auto``; what the settings say beside the gains stands."""
+    from modrobust.design.gains import design
 
-
-def _gain(name: str, value: float) -> float:
-    number = as_number(name, value)
-    if not (math.isfinite(number) and number >= 0.0):
-        raise ValueRangeError(f"{name}: {number:g}; must be finite and not negative")
-    return number
-
-
-def _per_joint(name: str, robot: Robot, value: PerJoint) -> tuple[float, ...]:
-    """One positive number for each joint."""
-    if isinstance(value, Mapping):
-        for joint in value:
-            if joint not in robot.joint_names:
-                hint = did_you_mean(joint, robot.joint_names)
-                raise ValueRangeError(
-                    f'{name}: no joint "{joint}"; {hint}known: {", ".join(robot.joint_names)}'
-                )
-        missing = [joint for joint in robot.joint_names if joint not in value]
-        if missing:
-            raise ValueRangeError(
-                f"{name}: nothing for {', '.join(missing)}; every joint needs a value"
-            )
-        value = [value[joint] for joint in robot.joint_names]
-    array = as_real(name, value, "a number, one number a joint, or a mapping by joint name")
-    if array.ndim == 0:
-        array = np.full(robot.n, float(array))
-    if array.shape != (robot.n,):
-        raise ShapeError(
-            f'{name}: expected shape ({robot.n},), got {array.shape}; robot "{robot.name}" has '
-            f"{robot.n} joints"
-        )
-    for joint, number in zip(robot.joint_names, array, strict=True):
-        if not (math.isfinite(number) and number > 0.0):
-            raise ValueRangeError(
-                f'{name}: {number:g} for joint "{joint}"; must be finite and positive'
-            )
-    return tuple(array.tolist())
-
-
-def make_kernel_controller(robot: Robot, settings: ControllerSettings) -> _kernel.Controller:
-    """The compiled controller for checked settings."""
-    return _kernel.Controller(
-        robot.model,
-        robot.nominal.packed,
-        robot.lower.packed,
-        robot.upper.packed,
-        np.ascontiguousarray(np.stack([robot.disturbance.lo, robot.disturbance.hi])),
-        np.array(settings.K_r, dtype=np.float64),
-        settings.kappa_P,
-        settings.kappa_I,
-        settings.phi_P,
-        settings.phi_I,
-        settings.epsilon,
-        LAWS[settings.law],
-        BOUNDS[settings.bound],
-    )
-
-
-def settings_dict(settings: ControllerSettings) -> dict[str, Any]:
-    """Settings as plain Python, ready for JSON."""
-    return {**asdict(settings), "K_r": list(settings.K_r)}
+    if motion is None and robot.trajectory is not None:
+        motion = make_trajectory(robot, None)
+    return design(robot, loop, epsilon=settings.epsilon, motion=motion)
