@@ -13,15 +13,14 @@ from modrobust.formats.assembly import (
     GRAVITY,
     package_folders,
     read_gravity,
-    read_payload,
     xacro_arguments,
 )
 from modrobust.formats.fields import check
 from modrobust.formats.given import given_mapping
-from modrobust.formats.models import PayloadModel
 from modrobust.formats.module import ModuleFields
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.part_models import ToleranceModel
+from modrobust.formats.payloads import PayloadModel, read_payload
 from modrobust.formats.span import pose_matrix
 from modrobust.model.geometry import IDENTITY, Transform, translation
 
@@ -159,4 +158,4 @@ def _with_payload(description: Assembly, given: str | Mapping[str, object]) -> A
     model = check(PayloadModel, node, lambda location: fields.name(("payload", *location)))
     notes: list[str] = []
     payload = read_payload(model, notes)
-    return replace(description, payload=payload, notes=(*description.notes, *notes))
+    return replace(description, payload=payload, payloads={}, notes=(*description.notes, *notes))

@@ -23,7 +23,7 @@ class PerJoint:
     """A per-joint value as written; `resolve` gives one quantity a joint.
 
     `kind` is "position", "velocity", "effort" or "rate" (1/s, for gains); a value with
-    `positive` must be above 0, one without `bounds` takes none.
+    `positive` must be above 0, one that is a `size` not below, one without `bounds` takes none.
     """
 
     node: Node
@@ -31,6 +31,7 @@ class PerJoint:
     kind: str
     bounds: bool = False
     positive: bool = False
+    size: bool = False
 
     def __post_init__(self) -> None:
         """Refuse at once what fits no kind of joint."""
@@ -83,6 +84,10 @@ class PerJoint:
         if self.positive and quantity.nominal <= 0:
             raise node.where.error(
                 field, f"{quantity.nominal:g} is not positive; it must be above 0; correct it"
+            )
+        if self.size and quantity.nominal < 0:
+            raise node.where.error(
+                field, f"{quantity.nominal:g} is negative; it is at least 0; correct it"
             )
         return quantity
 

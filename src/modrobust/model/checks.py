@@ -8,6 +8,7 @@ import numpy as np
 
 from modrobust.checks.types import Array, Flags, Ints
 from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.model.parameters import Parameters
 from modrobust.model.parts import MimicJoints
 from modrobust.model.physical import ABOUT_COM, ABOUT_FRAME
 
@@ -116,3 +117,23 @@ def check_box(name: str, lo: Array, nominal: Array, hi: Array, *, signed: bool) 
         )
     if not signed and (lo < 0.0).any():
         raise ValueRangeError(f"{name}: the lower bound {lo.min()} is negative")
+
+
+def check_payloads(
+    payloads: Mapping[str, tuple[Parameters, Parameters, Parameters]],
+    lower: Parameters,
+    upper: Parameters,
+) -> None:
+    """Refuses figures of a payload that are not in order, or not inside the robot's own box."""
+    for name, (nominal, lo, hi) in payloads.items():
+        for outer, inner, end in ((lo, nominal, hi), (lower, lo, upper), (lower, hi, upper)):
+            if not outer.packed.shape == inner.packed.shape == end.packed.shape:
+                raise ShapeError(
+                    f'payloads: "{name}" has {len(inner.mass)} bodies and {len(inner.viscous)} '
+                    f"joints, the robot {len(lower.mass)} and {len(lower.viscous)}"
+                )
+            if not ((outer.packed <= inner.packed) & (inner.packed <= end.packed)).all():
+                raise ValueRangeError(
+                    f'payloads: figures of "{name}" are not in order or not inside the bounds of '
+                    "the robot; widen these to hold every payload"
+                )

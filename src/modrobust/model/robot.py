@@ -25,6 +25,7 @@ from modrobust.model.checks import (
     check_box,
     check_endless,
     check_lengths,
+    check_payloads,
     check_rigid,
     check_tree,
 )
@@ -129,6 +130,8 @@ class Robot:
     """Of the b tensors: "com" or "frame"; none given = the COM for all."""
     loop: LoopSettings = field(default_factory=LoopSettings)
     """The loop that the robot is run in where nothing else is said."""
+    payloads: Mapping[str, tuple[Parameters, Parameters, Parameters]] = field(default_factory=dict)
+    """Nominal, lower and upper figures with each payload by name, inside the robot's own box."""
 
     __reduce__ = remade
 
@@ -145,7 +148,7 @@ class Robot:
             behind = np.arange(self.n, self.j, dtype=np.int32)
             object.__setattr__(self, "mimic", replace(self.mimic, joints=behind))
         freeze(self)
-        for name in ("scenarios", "scenario_notes"):
+        for name in ("scenarios", "scenario_notes", "payloads"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         self._check()
 
@@ -187,6 +190,7 @@ class Robot:
             ends = (getattr(point, name) for point in (self.lower, self.nominal, self.upper))
             check_box(name, *ends, signed=name in ("com", "inertia"))
         check_box("disturbance", d.lo, d.nominal, d.hi, signed=True)
+        check_payloads(self.payloads, self.lower, self.upper)
 
     @property
     def n(self) -> int:
