@@ -149,8 +149,11 @@ class RobustController:
 
         Args:
             t: Time [s]; not before that of the previous command, but for its rounding.
-            q, dq: Measured positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
-            q_des, dq_des, ddq_des: Desired motion at ``t``, ``(n,)`` [rad], [rad/s], [rad/s^2].
+            q: Measured positions, ``(n,)`` [rad] or [m].
+            dq: Measured velocities, ``(n,)`` [rad/s] or [m/s].
+            q_des: Desired positions at ``t``, ``(n,)`` [rad] or [m].
+            dq_des: Desired velocities at ``t``, ``(n,)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations at ``t``, ``(n,)`` [rad/s^2] or [m/s^2].
 
         Raises:
             ShapeError: A vector does not have ``n`` entries.
@@ -192,9 +195,11 @@ class RobustController:
         integrals.
 
         Args:
-            q, dq: Positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
-            q_des, dq_des, ddq_des: Desired motion at the same instant, ``(n,)`` [rad], [rad/s],
-                [rad/s^2].
+            q: Positions, ``(n,)`` [rad] or [m].
+            dq: Velocities, ``(n,)`` [rad/s] or [m/s].
+            q_des: Desired positions at the same instant, ``(n,)`` [rad] or [m].
+            dq_des: Desired velocities, ``(n,)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations, ``(n,)`` [rad/s^2] or [m/s^2].
             integral: Of f over time [rad s]; not negative. What a solver's
                 error makes of 0, from -1e-6 on, counts as 0.
 
@@ -225,12 +230,12 @@ class RobustController:
 
     @property
     def kappa(self) -> float:
-        """kappa(t) of (7) at the last command [s/rad]."""
+        """Gain kappa of (7) at the last command [s/rad]."""
         return self.kernel.kappa
 
     @property
     def phi(self) -> float:
-        """phi(t) of (7) at the last command [N m s/rad]."""
+        """Gain phi of (7) at the last command [N m s/rad]."""
         return self.kernel.phi
 
     def time_commands(
@@ -248,8 +253,11 @@ class RobustController:
 
         Args:
             t: Instants, ``(k,)`` [s].
-            q, dq: Positions and velocities, ``(k, n)`` [rad], [rad/s].
-            q_des, dq_des, ddq_des: Desired motion, ``(k, n)`` [rad], [rad/s], [rad/s^2].
+            q: Positions, ``(k, n)`` [rad] or [m].
+            dq: Velocities, ``(k, n)`` [rad/s] or [m/s].
+            q_des: Desired positions, ``(k, n)`` [rad] or [m].
+            dq_des: Desired velocities, ``(k, n)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations, ``(k, n)`` [rad/s^2] or [m/s^2].
 
         Returns:
             Times, ``(k,)`` [s].

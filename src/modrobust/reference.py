@@ -183,7 +183,7 @@ def newton_euler(
 
 
 def moment_about_frame(m: Any, c: Any, a: Any, bent: Any) -> Any:
-    """m (c x a + |c|^2 bent): in place of c x F where the tensor is about the body's frame.
+    """``m (c x a + |c|^2 bent)``: in place of c x F where the tensor is about the body's frame.
 
     Of an interval: c = middle + d, linear in d but for |d|^2, which lies in [0, |radius|^2].
     """

@@ -1,5 +1,4 @@
-"""Comparisons with other libraries: the same robot for both sides, and what is said when one is
-missing.
+"""Comparisons with other libraries: one robot for both sides; what is said when one is missing.
 
 Pinocchio's headers take minutes to compile; that test runs where MODROBUST_TEST_PEERS is set.
 """

@@ -157,7 +157,7 @@ def test_spans_that_cancel_leave_0_below_a_part_in_10_to_40_and_the_rest_above()
 
 
 def test_the_angle_of_a_direction_is_the_nearest_double():
-    """libm's is not always; which of two doubles it gives depends on the processor."""
+    """That of libm is not always; which of two doubles it gives depends on the processor."""
     rng = random.Random(3)
     before, flint.ctx.prec = flint.ctx.prec, 400
     try:

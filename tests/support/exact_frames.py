@@ -226,7 +226,7 @@ def origin(element: ElementTree.Element | None) -> flint.arb_mat:
 
 
 def to_axis(element: ElementTree.Element) -> flint.arb_mat:
-    """z to the axis, by the formula of Duff et al. 2017."""
+    """The rotation of z to the axis, by the formula of Duff et al. 2017."""
     x, y, z = (length(text) for text in three(element.find("axis"), "xyz", "1 0 0"))
     norm = (x * x + y * y + z * z).sqrt()
     x, y, z = x / norm, y / norm, z / norm

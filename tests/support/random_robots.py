@@ -47,7 +47,7 @@ def physical_inertia(rng: np.random.Generator, mass: float) -> Any:
 
 
 def steiner(mass: Any, com: Any) -> Any:
-    """m (c'c 1 - c c'), (..., 3, 3)."""
+    """``m (c'c 1 - c c')``, (..., 3, 3)."""
     square = (com * com).sum(axis=-1)[..., None, None]
     return mass[..., None, None] * (square * np.eye(3) - com[..., :, None] * com[..., None, :])
 

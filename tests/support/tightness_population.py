@@ -32,8 +32,11 @@ class Case:
     rate: float = 0.0
 
     def judged(self) -> tuple[Any, Any, Any]:
-        """Per joint: width of the hull over the true one, true width over the largest torque,
-        and the larger overlap by which the hull falls short of the true range (0 if it holds)."""
+        """Per joint, three figures of the hull.
+
+        Width of the hull over the true one, true width over the largest torque, and the larger
+        overlap by which the hull falls short of the true range (0 if it holds).
+        """
         lo, hi = mr.inverse_dynamics_bounds(self.robot, *self.state, drives=self.drives)
         true_lo, true_hi = exact_range(self.robot, self.state, self.drives)
         size = max(np.abs(true_lo).max(), np.abs(true_hi).max())

@@ -25,7 +25,8 @@ def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
     """Raises where M(q) at nominal parameters, drives included, is singular at a seeded pose.
 
     Args:
-        robot: The robot; `where` (j,) says where its joints are written.
+        robot: The robot.
+        where: Where each of its joints is written, mimic joints too, (j,).
 
     Raises:
         DescriptionError: M is singular, or cannot be computed; the message names the joint.

@@ -175,7 +175,7 @@ class Choice:
 
 
 def choice(*allowed: str) -> Choice:
-    """``Annotated[str, choice("a", "b")]`` is a field that takes "a" or "b"."""
+    """What makes a field take one of these texts, for use in ``Annotated[str, ...]``."""
     return Choice(allowed)
 
 

@@ -203,8 +203,10 @@ class Robot:
 
     @property
     def uncertain(self) -> bool:
-        """Whether any parameter or the disturbance has a width; else there is nothing to be robust
-        against."""
+        """Whether any parameter or the disturbance has a width.
+
+        Else there is nothing to be robust against.
+        """
         d = self.disturbance
         return bool((self.lower.packed < self.upper.packed).any() or (d.lo < d.hi).any())
 

@@ -110,7 +110,8 @@ def find_divergence(
         controller: The gains of the run.
         hold: T, time between two commands [s].
         t: Logged instants ``(m,)`` [s].
-        q, dq: Positions and velocities, ``(m, n)``.
+        q: Positions, ``(m, n)`` [rad] or [m].
+        dq: Velocities, ``(m, n)`` [rad/s] or [m/s].
         error: Norm of the tracking error, ``(m,)``.
         rho: Worst cases (8), ``(m, n)``.
     """
@@ -149,7 +150,7 @@ def find_divergence(
 
 
 def _gains(c: ControllerSettings, t: Array, error: Array, rho: Array) -> Array:
-    """k = kappa ‖rho‖ + phi at the logged ticks ``(m,)``, the integral summed over them."""
+    """``k = kappa ‖rho‖ + phi`` at the logged ticks ``(m,)``, the integral summed over them."""
     with np.errstate(over="ignore", invalid="ignore"):
         grown = np.where(error < c.epsilon, 0.0, error)[:-1] * np.diff(t)
         integral = np.concatenate([[0.0], np.cumsum(grown)])

@@ -22,7 +22,9 @@ def remarks(
     Args:
         robot: Robot with n joints.
         duration: Of the run [s].
-        t, q, dq: Logged instants (m,) [s], positions and velocities (m, n).
+        t: Logged instants (m,) [s].
+        q: Positions (m, n) [rad] or [m].
+        dq: Velocities (m, n) [rad/s] or [m/s].
         noisy: See `modrobust.simulation.metrics.chattering`.
     """
     said = [*_chattering(robot, noisy)]

@@ -155,10 +155,13 @@ def simulate(
             ``"lower"``, ``"upper"``, ``"corner"``, ``"random"`` (the default), or a `Parameters`.
             The constant true disturbance is drawn from [d] in the same way.
         seed: Seeds ``"random"`` and ``"corner"``.
-        law, bound: See `RobustController`.
+        law: See `RobustController`.
+        bound: See `RobustController`.
         K_r: One number for all joints, a mapping by joint name, or ``(n,)`` [1/s].
-        kappa_P, kappa_I: Gains of kappa [s/rad], [1/rad^2].
-        phi_P, phi_I: Gains of phi [N m s/rad], [N m/rad^2].
+        kappa_P: Constant part of kappa [s/rad].
+        kappa_I: Gain of the integral in kappa [1/rad^2].
+        phi_P: Constant part of phi [N m s/rad].
+        phi_I: Gain of the integral in phi [N m/rad^2].
         epsilon: Norm of the tracking error to reach [rad] or [m].
         trajectory: See `make_trajectory`; the description's own when None.
         duration: Simulated time [s]; the trajectory's own when None, else 10 s. The last command is
@@ -168,8 +171,9 @@ def simulate(
         substeps: Runge-Kutta steps between two commands.
         plant: What moves as the true robot: ``"builtin"``, or another engine, ``"mujoco"`` or
             ``"pinocchio"``, whose loop runs in Python; see `modrobust.simulation.plants`.
-        q0, dq0: State at the start, ``(n,)`` [rad], [rad/s]. When None: the description's
-            ``initial`` where its own trajectory is used, else on the trajectory.
+        q0: Positions at the start, ``(n,)`` [rad] or [m]. When None: the description's ``initial``
+            where its own trajectory is used, else on the trajectory.
+        dq0: Velocities at the start, ``(n,)`` [rad/s] or [m/s]; when None as ``q0``.
         disturbance: True disturbance ``(n,)`` [N m] or [N]; overrides the drawn one.
         progress: Called before the run and between chunks with simulated and total time [s].
 

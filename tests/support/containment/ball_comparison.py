@@ -131,7 +131,7 @@ def _state(robot: Robot, query: Query, as_given: bool) -> State:
 
 
 def exact_errors(robot: Robot, signals: Signals) -> list[arb]:
-    """e of (4) with the whole turns that the kernel chose, and 2 pi itself."""
+    """The error e of (4) with the whole turns that the kernel chose, and 2 pi itself."""
     found = robot.tracking_error(signals.q, signals.q_des)
     errors = []
     for q, q_des, e, wraps in zip(signals.q, signals.q_des, found, robot.wraps, strict=True):

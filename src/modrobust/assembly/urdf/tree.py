@@ -314,6 +314,8 @@ def _leader(
     """Index of the free joint at the end of a chain of mimics, multiplier and offset to it.
 
     Args:
+        description: The URDF with all its joints.
+        joint: The joint that mimics.
         at: Name of each free joint to its index.
     """
     multiplier, offset, last = Fraction(1), Fraction(0), joint
