@@ -72,8 +72,8 @@ class Texts:
         return text
 
     def chain(self, entries: int, names: str) -> list[str]:
-        lines = []
-        kinds = CONSTANT  # behind a joint, and perhaps at the start
+        lines: list[str] = []
+        kinds: Sequence[str] = CONSTANT  # behind a joint, and perhaps at the start
         for k in range(entries):
             kind = self.rng.choice(("joint", "body", "frame", "frame"))
             if kind == "joint":

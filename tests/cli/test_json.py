@@ -84,8 +84,10 @@ def test_a_run_that_was_interrupted_before_anything_has_the_same_keys() -> None:
     result = mr.simulate(mr.load_robot("lwa4p-paper"), duration=1.0, progress=stop)
     assert result.interrupted
     check("simulate", result.summary())
-    nothing = vars(result) | {"statistics": None, "t": np.zeros(0)}
-    empty = {k: np.zeros((0, 6)) if np.ndim(v) == 2 else v for k, v in nothing.items()}
+    nothing: dict[str, Any] = vars(result) | {"statistics": None, "t": np.zeros(0)}
+    empty: dict[str, Any] = {
+        k: np.zeros((0, 6)) if np.ndim(v) == 2 else v for k, v in nothing.items()
+    }
     fields = type(result).__dataclass_fields__
     check("simulate", type(result)(**{k: v for k, v in empty.items() if k in fields}).summary())
 

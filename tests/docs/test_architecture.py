@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 
-from support.pages import DOCS, ROOT
+from support.pages import DOCS
+from support.paths import ROOT
 
 PAGE = (DOCS / "architecture.md").read_text(encoding="utf-8")
 PACKAGE = ROOT / "src" / "modrobust"

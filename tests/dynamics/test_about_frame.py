@@ -20,6 +20,7 @@ from support.exact_hull import exact_bounds
 from support.exact_range import exact_range
 from support.random_robots import about_com, about_frame, random_robot, random_state, steiner, tied
 from support.rounding import assert_encloses, excess_allowed
+from support.states import state_of
 from support.tightness_population import boxed
 from support.urdf_texts import written
 
@@ -187,7 +188,7 @@ def test_a_batch_has_the_bits_of_the_single_call_with_both_kinds_mixed(bound: st
     assert robot.framed.any()
     assert not robot.framed.all()
     states = [random_state(rng, 5) for _ in range(19)]
-    columns = [np.array(column) for column in zip(*states, strict=True)]
+    columns = state_of(np.array(column) for column in zip(*states, strict=True))
     batch = mr.inverse_dynamics_bounds_batch(robot, *columns, bound=bound)
     single = [mr.inverse_dynamics_bounds(robot, *state, bound=bound) for state in states]
     np.testing.assert_array_equal(np.array(batch), np.array(single).swapaxes(0, 1))
@@ -200,8 +201,8 @@ def test_a_body_about_the_com_keeps_its_bits_beside_one_about_the_frame() -> Non
     assert robot.body_joints[0] == -1  # fixed to the base: what it is about changes no torque
     state = random_state(rng, 4)
     for bound in BOUNDS:
-        pair = [mr.inverse_dynamics_bounds(r, *state, bound=bound) for r in (robot, other)]
-        np.testing.assert_array_equal(*pair)
+        one, two = (mr.inverse_dynamics_bounds(r, *state, bound=bound) for r in (robot, other))
+        np.testing.assert_array_equal(one, two)
 
 
 @pytest.mark.parametrize("seed", range(3))

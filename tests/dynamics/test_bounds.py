@@ -27,6 +27,7 @@ from support.rounding import (
     slack,
     torque_error,
 )
+from support.states import State
 
 BOUNDS = ["hull", "ianea"]
 WIDTHS = ["exact", "narrow", "wide", "mixed"]
@@ -135,7 +136,7 @@ def test_bounds_contain_the_torque_of_sampled_and_corner_parameters(
                 assert np.all(hi >= highest)
 
 
-def ascend(robot: Robot, state: Any, joint: int, sign: int, rng: np.random.Generator) -> float:
+def ascend(robot: Robot, state: State, joint: int, sign: int, rng: np.random.Generator) -> float:
     """Largest sign * tau_joint that coordinate ascent over the box finds from a random vertex.
 
     In each parameter the torque is at most quadratic, so three evaluations give its maximum.

@@ -13,6 +13,7 @@ from support.exact_hull import exact_bounds
 from support.random_robots import random_state
 from support.ready_robots import freed, load_builtin
 from support.rounding import as_long, assert_encloses, excess_allowed, torque_error
+from support.states import state_of
 
 ROUNDING = 1e-12  # of the largest figure
 
@@ -26,14 +27,14 @@ def test_a_builtin_robot_agrees_with_the_oracles(robot: Robot) -> None:
     rng = np.random.default_rng(1)
     state = random_state(rng, robot.n)
     free, G = freed(robot)  # (15): the oracles know no mimic joints
-    full = [robot.all_positions(state[0]), *(G @ x for x in state[1:])]
+    full = state_of([robot.all_positions(state[0]), *(G @ x for x in state[1:])])
     tau = mr.inverse_dynamics(robot, *state)
     expected = G.T @ newton_euler(free, free.nominal, *full, drives=True)
     np.testing.assert_allclose(tau, expected, rtol=0, atol=ROUNDING * np.abs(expected).max())
 
     bounds = mr.inverse_dynamics_bounds(robot, *state, bound="ianea")
     long = as_long(state)
-    full = [robot.all_positions(long[0]), *(G @ x for x in long[1:])]
+    full = state_of([robot.all_positions(long[0]), *(G @ x for x in long[1:])])
     wide = newton_euler(free, box(free), *full, drives=True)
     more, less = np.maximum(G, 0.0).T, np.minimum(G, 0.0).T
     expected = more @ wide.lo + less @ wide.hi, more @ wide.hi + less @ wide.lo

@@ -49,7 +49,7 @@ def test_no_other_angle_is_snapped():
 
 def test_quarter_turns_in_degrees_are_exact_however_many():
     for k in (-1001, 17, 40, 1003):
-        assert cos_sin(k * PI / 2) == [(1, 0), (0, 1), (-1, 0), (0, -1)][k % 4]
+        assert list(cos_sin(k * PI / 2)) == [[1, 0], [0, 1], [-1, 0], [0, -1]][k % 4]
 
 
 def test_cosine_and_sine_hold_fifty_decimals_up_to_the_largest_angle():

@@ -20,7 +20,8 @@ from ruamel.yaml import YAML
 BITS = 300
 PI = Fraction("3.14159265358979323846264338327950288419716939937510")
 RIGHT = {float(k * PI / 2): k for k in range(-16, 17)}
-UNITS = {"": 1, "m": 1, "rad": 1, "mm": Fraction(1, 1000), "cm": Fraction(1, 100)}
+UNITS: dict[str, int | Fraction] = {"": 1, "m": 1, "rad": 1}
+UNITS |= {"mm": Fraction(1, 1000), "cm": Fraction(1, 100)}
 NUMBER = re.compile(r"([+-]?)\s*(.*?[\dpi])\s*(m|mm|cm|rad|deg|°)?")
 FRAMES = ("before", "after", "placement", "base")
 
@@ -167,7 +168,7 @@ def _mount(
 ) -> None:
     used: set[str] = set()
     for item in chain:
-        entry = {"module": item} if isinstance(item, str) else item
+        entry: dict[str, Any] = {"module": item} if isinstance(item, str) else item
         if "module" not in entry:
             kind = next(key for key in ("joint", "body", "frame") if key in entry)
             name = prefix + entry[kind]

@@ -17,6 +17,7 @@ import modrobust as mr
 from modrobust.model import Parameters, Robot
 from support.exact_range import exact_range
 from support.random_robots import random_robot, random_state, symmetric
+from support.states import State
 
 THRESHOLD = 1e-9  # of the largest torque: narrower true widths are not judged
 
@@ -26,7 +27,7 @@ class Case:
     """One robot, box and state: the hull, the true range, and where it comes from."""
 
     robot: Robot
-    state: Any
+    state: State
     drives: bool
     label: str
     rate: float = 0.0

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from flint import arb
 
@@ -92,7 +92,7 @@ class _Link(NamedTuple):
     a: Vector
 
 
-def ball_pose(T: Sequence[Sequence[float]]) -> Pose:
+def ball_pose(T: Any) -> Pose:
     """The doubles of a 4x4 transform."""
     R = tuple(arb(float(T[i][k])) for i in range(3) for k in range(3))
     return Pose(R, tuple(arb(float(T[i][3])) for i in range(3)))  # type: ignore[arg-type]
@@ -197,8 +197,11 @@ def _forward(
         else:
             s, c = q[i].sin_cos()
             x, y = A.R[0:3], A.R[3:6]
-            rows = [c * x[k] - s * y[k] for k in range(3)] + [s * x[k] + c * y[k] for k in range(3)]
-            turned = (*rows, *z)
+            turned = (
+                *(c * x[0] - s * y[0], c * x[1] - s * y[1], c * x[2] - s * y[2]),
+                *(s * x[0] + c * y[0], s * x[1] + c * y[1], s * x[2] + c * y[2]),
+                *z,
+            )
         R = product(B.R, turned)  # 6
         if h < 0:
             w = wa = dw = ZERO
