@@ -5,7 +5,7 @@ Rigid transforms and D-H tables are here too; files become a `Robot` in `modrobu
 
 from modrobust.model.parameters import Bounded, Parameters
 from modrobust.model.parts import ControllerSettings, MimicJoints, ModuleNode, TrajectorySettings
-from modrobust.model.robot import Robot, check_robot
+from modrobust.model.robot import Robot, check_parameters, check_robot, owner_of
 from modrobust.model.synthetic import synthetic_chain
 
 __all__ = [
@@ -16,6 +16,8 @@ __all__ = [
     "Parameters",
     "Robot",
     "TrajectorySettings",
+    "check_parameters",
     "check_robot",
+    "owner_of",
     "synthetic_chain",
 ]

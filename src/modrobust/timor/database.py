@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import did_you_mean, unknown_name
 from modrobust.checks.files import kind_of_path, reason
 from modrobust.errors import FileError
 from modrobust.formats import ListNode, MapNode, Node, ScalarNode, Where
@@ -125,7 +125,9 @@ def _read_connector(node: Node, field: str) -> Connector:
     gender = text_of(node, "gender", field)
     known = {"f": "f", "female": "f", "m": "m", "male": "m", "h": "n", "hermaphroditic": "n"}
     if gender not in known:
-        raise node.where.error(f"{field}.gender", f'"{gender}" is none of {", ".join(known)}')
+        raise node.where.error(
+            f"{field}.gender", unknown_name(f"no gender {shown(gender)}", gender, known)
+        )
     return Connector(
         text_of(node, "ID", field),
         read_pose(member(node, "pose", field), f"{field}.pose"),
