@@ -12,11 +12,11 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import modrobust as mr
+from cli.json_schemas import SCHEMAS, keys
 from modrobust.bench.benchmark import benchmark
 from modrobust.bench.peers import PeerReport
 from modrobust.bench.peers.timing import Comparison, Timing
 from modrobust.cli.output import words
-from support.json_schemas import SCHEMAS, keys
 from support.paths import ROOT
 from support.urdf_texts import LIMIT, joint, link, robot, written
 

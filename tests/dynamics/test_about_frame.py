@@ -16,7 +16,6 @@ from modrobust.export.mjcf import mjcf_text
 from modrobust.export.urdf import urdf_text
 from modrobust.model import Parameters, Robot
 from modrobust.model.physical import least_second_moment
-from support.exact_hull import exact_bounds
 from support.exact_range import exact_range
 from support.random_robots import about_com, about_frame, random_robot, random_state, steiner, tied
 from support.rounding import assert_encloses, excess_allowed
@@ -128,13 +127,6 @@ def test_the_hull_is_the_range_and_holds_every_point_of_the_box(shape: dict[str,
             tau = mr.inverse_dynamics(at_com(robot, point), *state, drives=False)
             for least, most in box:
                 assert np.all((least - 1e-12 * size <= tau) & (tau <= most + 1e-12 * size))
-
-
-def test_the_brute_force_over_all_faces_finds_the_same_range() -> None:
-    robot = framed_robot(3, 3, width=0.5)
-    state = random_state(np.random.default_rng(3), 3)
-    got = mr.inverse_dynamics_bounds(robot, *state, drives=False)
-    assert_encloses(got, exact_bounds(robot, *state), excess_allowed(robot, *state, drives=False))
 
 
 def test_an_extremum_inside_the_box_is_found_where_the_reference_rates_differ() -> None:

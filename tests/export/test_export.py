@@ -12,12 +12,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import modrobust as mr
+from export.engine_twins import MjcfTwin, UrdfTwin
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.export.mjcf import mjcf_text
 from modrobust.export.urdf import urdf_text
 from modrobust.model import Bounded, Parameters, Robot
 from modrobust.model.orientation import quaternion, roll_pitch_yaw
-from support.engine_twins import MjcfTwin, UrdfTwin
 from support.random_robots import random_robot, random_state, steiner, tied
 from support.ready_robots import available
 from support.states import state_of

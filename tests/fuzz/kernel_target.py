@@ -41,7 +41,7 @@ def build(folder: Path) -> Path:
 
 
 def main(folder: Path, options: list[str]) -> int:
-    from support.fuzz.kernel_seeds import write_seeds
+    from fuzz.kernel_seeds import write_seeds
 
     folder.mkdir(parents=True, exist_ok=True)
     write_seeds(folder / "seeds")

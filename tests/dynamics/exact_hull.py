@@ -1,4 +1,4 @@
-"""The exact range of the torque over the parameter box, slowly and by brute force.
+"""The exact range of the torque over the parameter box again, slowly: a check of `exact_range`.
 
 Per body and joint the torque is m times a quadratic in the centre of mass plus a linear form in the
 inertia. The coefficients are read off the oracle by evaluating it (no formula of the kernel is
