@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from modrobust import _kernel
-from modrobust.checks import as_array, as_number, did_you_mean
+from modrobust.checks import as_array, as_number, unknown_name
 from modrobust.checks.types import Array
 from modrobust.control.rate import RateNeed, needed_rate
 from modrobust.control.settings import (
@@ -97,7 +97,7 @@ class RobustController:
         loop: The whole loop, instead of the robot's; rate and delay are laid over it.
         motion: What ``auto`` chooses gains for: a `Trajectory`; None = the robot's own, else any
             motion within the limits of positions and velocities.
-        options: Settings by name, see `ControllerSettings`; ``K_r`` may be one number for all
+        **options: Settings by name, see `ControllerSettings`; ``K_r`` may be one number for all
             joints, a mapping by joint name, or ``(n,)``. None = the robot's own.
 
     Warns:
@@ -196,8 +196,11 @@ class RobustController:
 
         Args:
             t: Time [s]; not before that of the previous command, but for its rounding.
-            q, dq: Measured positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
-            q_des, dq_des, ddq_des: Desired motion at ``t``, ``(n,)`` [rad], [rad/s], [rad/s^2].
+            q: Measured positions, ``(n,)`` [rad] or [m].
+            dq: Measured velocities, ``(n,)`` [rad/s] or [m/s].
+            q_des: Desired positions at ``t``, ``(n,)`` [rad] or [m].
+            dq_des: Desired velocities at ``t``, ``(n,)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations at ``t``, ``(n,)`` [rad/s^2] or [m/s^2].
 
         Raises:
             ShapeError: A vector does not have ``n`` entries.
@@ -245,9 +248,11 @@ class RobustController:
         integrals.
 
         Args:
-            q, dq: Positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
-            q_des, dq_des, ddq_des: Desired motion at the same instant, ``(n,)`` [rad], [rad/s],
-                [rad/s^2].
+            q: Positions, ``(n,)`` [rad] or [m].
+            dq: Velocities, ``(n,)`` [rad/s] or [m/s].
+            q_des: Desired positions at the same instant, ``(n,)`` [rad] or [m].
+            dq_des: Desired velocities, ``(n,)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations, ``(n,)`` [rad/s^2] or [m/s^2].
             integral: Of f over time [rad s]; not negative. What a solver's
                 error makes of 0, from -1e-6 on, counts as 0.
 
@@ -318,9 +323,8 @@ class RobustController:
         """
         known = self.robot.payloads
         if payload is not None and payload not in known:
-            listed = ", ".join(known) or "none, the description has no payloads"
-            hint = did_you_mean(payload, tuple(known))
-            raise ValueRangeError(f'payload: no payload "{payload}"; {hint}known: {listed}')
+            found = f'payload: no payload "{payload}" in the description'
+            raise ValueRangeError(unknown_name(found, payload, known))
         kernel = self._kernel_of(payload)
         kernel.recall(*self.kernel.memory())
         self._before = self._before or self.kernel
@@ -328,12 +332,12 @@ class RobustController:
 
     @property
     def kappa(self) -> float:
-        """kappa(t) of (7) at the last command [s/rad]."""
+        """Gain kappa of (7) at the last command [s/rad]."""
         return self.kernel.kappa
 
     @property
     def phi(self) -> float:
-        """phi(t) of (7) at the last command [N m s/rad]."""
+        """Gain phi of (7) at the last command [N m s/rad]."""
         return self.kernel.phi
 
     def time_commands(
@@ -351,8 +355,11 @@ class RobustController:
 
         Args:
             t: Instants, ``(k,)`` [s].
-            q, dq: Positions and velocities, ``(k, n)`` [rad], [rad/s].
-            q_des, dq_des, ddq_des: Desired motion, ``(k, n)`` [rad], [rad/s], [rad/s^2].
+            q: Positions, ``(k, n)`` [rad] or [m].
+            dq: Velocities, ``(k, n)`` [rad/s] or [m/s].
+            q_des: Desired positions, ``(k, n)`` [rad] or [m].
+            dq_des: Desired velocities, ``(k, n)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations, ``(k, n)`` [rad/s^2] or [m/s^2].
 
         Returns:
             Times, ``(k,)`` [s].
