@@ -1,6 +1,7 @@
 // Binding of the C kernel: argument shapes, memory and calls. No arithmetic.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <chrono>
 #include <cstring>
+#include <exception>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -412,19 +414,80 @@ Out sines_cosines(const Vec &x) {
     return numpy(std::move(rows), {2, count});
 }
 
+// Gains by name, one packed point for D_c and D_s, and the limits: what mr_gains points to.
+class Gains {
+  public:
+    Gains(const Model &model, nb::dict given) {
+        const auto number = [&](const char *name) { return nb::cast<double>(given[name]); };
+        const auto whole = [&](const char *name) { return nb::cast<int>(given[name]); };
+        const auto array = [&](const char *name, size_t size) {
+            const Vec v = nb::cast<Vec>(given[name]);
+            require(v.size() == size, (std::string(name) + ": wrong length").c_str());
+            kept.push_back(doubles(v));
+            return kept.back().data();
+        };
+        kept.reserve(4);
+        const size_t points = mr_parameters_size(&model.c);
+        const int law = whole("law");
+        require(law >= MR_LAW_NORM && law <= MR_LAW_SAMPLED,
+                "law: 0 (norm), 1 (componentwise) or 2 (sampled)");
+        c.K_r = array("K_r", model.n());
+        c.kappa_P = number("kappa_P");
+        c.kappa_I = number("kappa_I");
+        c.phi_P = number("phi_P");
+        c.phi_I = number("phi_I");
+        c.kappa_max = number("kappa_max");
+        c.phi_max = number("phi_max");
+        c.leak = number("leak");
+        c.epsilon = number("epsilon");
+        c.law = static_cast<mr_law>(law);
+        c.method = method_of(whole("bound"));
+        c.hold_aware = whole("hold_aware");
+        c.period = number("period");
+        c.delay = number("delay");
+        c.G = number("G");
+        c.Lambda = number("Lambda");
+        c.L_i = number("L_i");
+        c.blend = number("blend");
+        c.integral = whole("integral");
+        c.predictor = whole("predictor");
+        c.vector_saturation = whole("vector_saturation");
+        c.effort_limit = array("effort_limit", model.n());
+        c.centre = mr_parameters_view(&model.c, array("centre", points));
+        c.light = mr_parameters_view(&model.c, array("light", points));
+    }
+    Gains(const Gains &) = delete;
+    mr_gains c{};
+
+  private:
+    std::vector<Doubles> kept;
+};
+
+// The state of a controller and the memory that it points to.
+class ControllerState {
+  public:
+    explicit ControllerState(const Model &model) : memory(mr_controller_memory_size(&model.c)) {
+        reset();
+    }
+    ControllerState(const ControllerState &) = delete;
+    void reset() {
+        std::fill(memory.begin(), memory.end(), 0.0);
+        c = mr_controller_state{};
+        c.memory = memory.data();
+    }
+    Doubles memory;
+    mr_controller_state c{};
+};
+
 class Controller {
   public:
     Controller(nb::object model_object, const Vec &nominal, const Vec &lower, const Vec &upper,
-               const Mat &disturbance, const Vec &K_r, double kappa_P, double kappa_I,
-               double phi_P, double phi_I, double epsilon, int law, int method)
+               const Mat &disturbance, nb::dict given)
         : owner(model_object), model(nb::cast<Model &>(model_object)),
-          arrays{nominal, lower, upper, K_r}, disturbances(disturbance),
-          bounds(model, nominal, lower, upper, rows_of(disturbance, model)) {
-        model.require_joints(K_r, "K_r");
-        require(law == MR_LAW_NORM, "law: 0 (norm)");
-        gains = {arrays[3].data(),         kappa_P,          kappa_I, phi_P, phi_I, epsilon,
-                 static_cast<mr_law>(law), method_of(method)};
-        workspace.resize(mr_workspace_size(&model.c));
+          arrays{nominal, lower, upper}, disturbances(disturbance),
+          bounds(model, nominal, lower, upper, rows_of(disturbance, model)),
+          gain_values(model, given), gains(gain_values.c), state(model) {
+        workspace.resize(mr_command_workspace_size(&model.c));
     }
 
     Out command(double t, const Vec &q, const Vec &dq, const Vec &q_des, const Vec &dq_des,
@@ -434,10 +497,11 @@ class Controller {
         Doubles rows(6 * model.n());
         mr_command_out out = outputs(rows.data());
         check(mr_command(&model.c, &bounds.c, &gains, t, q.data(), dq.data(), q_des.data(),
-                         dq_des.data(), ddq_des.data(), workspace.data(), &state, &out));
+                         dq_des.data(), ddq_des.data(), workspace.data(), &state.c, &out));
         rho_norm = out.rho_norm;
         kappa = out.kappa;
         phi = out.phi;
+        alpha = out.alpha;
         return numpy(std::move(rows), {6, model.n()});
     }
 
@@ -448,10 +512,12 @@ class Controller {
         model.require_joints(ddq_des, "ddq_des");
         Doubles rows(6 * model.n());
         mr_command_out out = outputs(rows.data());
-        mr_controller_state at = {integral, 0.0, 0.0, 0};
+        ControllerState at(model);
+        at.c.integral = integral;
         check(mr_command(&model.c, &bounds.c, &gains, 0.0, q.data(), dq.data(), q_des.data(),
-                         dq_des.data(), ddq_des.data(), workspace.data(), &at, &out));
-        return nb::make_tuple(numpy(std::move(rows), {6, model.n()}), out.rho_norm, at.previous_f);
+                         dq_des.data(), ddq_des.data(), workspace.data(), &at.c, &out));
+        return nb::make_tuple(numpy(std::move(rows), {6, model.n()}), out.rho_norm,
+                              at.c.previous_f);
     }
 
     // Seconds of each command on recorded signals; the integrators start at rest.
@@ -461,9 +527,9 @@ class Controller {
         for (const Mat *m : {&q, &dq, &q_des, &dq_des, &ddq_des})
             require(m->shape(0) == count && m->shape(1) == n, "signals: expected shape (k, n)");
         // Memory of its own: another thread may command while this one runs without the GIL.
-        Doubles seconds(count), rows(6 * n), memory(mr_workspace_size(&model.c));
+        Doubles seconds(count), rows(6 * n), working(mr_command_workspace_size(&model.c));
         mr_command_out out = outputs(rows.data());
-        mr_controller_state fresh{};
+        ControllerState fresh(model);
         mr_status status = MR_OK;
         {
             nb::gil_scoped_release release;
@@ -471,7 +537,7 @@ class Controller {
                 const auto start = std::chrono::steady_clock::now();
                 status = mr_command(&model.c, &bounds.c, &gains, t.data()[k], q.data() + k * n,
                                     dq.data() + k * n, q_des.data() + k * n, dq_des.data() + k * n,
-                                    ddq_des.data() + k * n, memory.data(), &fresh, &out);
+                                    ddq_des.data() + k * n, working.data(), &fresh.c, &out);
                 const std::chrono::duration<double> elapsed =
                     std::chrono::steady_clock::now() - start;
                 seconds[k] = elapsed.count();
@@ -481,26 +547,36 @@ class Controller {
         return numpy(std::move(seconds), {count});
     }
 
-    void reset() { state = mr_controller_state{}; }
+    void reset() { state.reset(); }
 
     // What a copy takes over: the integrators, and what the last command left.
     nb::tuple memory() const {
-        return nb::make_tuple(state.integral, state.previous_f, state.previous_time, state.started,
-                              rho_norm, kappa, phi);
+        return nb::make_tuple(state.c.integral, state.c.previous_f, state.c.previous_time,
+                              state.c.started, state.c.start_time,
+                              numpy(Doubles(state.memory), {state.memory.size()}), rho_norm, kappa,
+                              phi, alpha);
     }
 
     void recall(double integral, double previous_f, double previous_time, int started,
-                double last_rho_norm, double last_kappa, double last_phi) {
-        state = {integral, previous_f, previous_time, started};
+                double start_time, const Vec &remembered, double last_rho_norm, double last_kappa,
+                double last_phi, double last_alpha) {
+        require(remembered.size() == state.memory.size(), "memory: wrong length");
+        std::copy(remembered.data(), remembered.data() + remembered.size(), state.memory.begin());
+        state.c.integral = integral;
+        state.c.previous_f = previous_f;
+        state.c.previous_time = previous_time;
+        state.c.started = started;
+        state.c.start_time = start_time;
         rho_norm = last_rho_norm;
         kappa = last_kappa;
         phi = last_phi;
+        alpha = last_alpha;
     }
 
     mr_command_out outputs(double *rows) const {
         const size_t n = model.n();
         return {rows,         rows + n, rows + 2 * n, rows + 3 * n, rows + 4 * n,
-                rows + 5 * n, 0.0,      0.0,          0.0};
+                rows + 5 * n, 0.0,      0.0,          0.0,          1.0};
     }
 
     nb::object owner;
@@ -508,37 +584,79 @@ class Controller {
     std::vector<Vec> arrays;
     Mat disturbances;
     Bounds bounds;
-    mr_gains gains{};
-    mr_controller_state state{};
+    Gains gain_values;
+    mr_gains &gains;
+    ControllerState state;
     Doubles workspace;
-    double rho_norm = 0.0, kappa = 0.0, phi = 0.0;
+    double rho_norm = 0.0, kappa = 0.0, phi = 0.0, alpha = 1.0;
 };
 
 // The closed loop; its controller state is its own and starts at rest.
 class Loop {
   public:
+    // settings: numbers by name, and arrays of n or none at all for noise and steps.
     Loop(nb::object controller_object, const Vec &true_parameters, const Vec &true_disturbance,
-         const Vec &q0, const Vec &dq0, double dt, int substeps)
+         const Vec &q0, const Vec &dq0, nb::dict settings, nb::object engine)
         : owner(controller_object), controller(nb::cast<Controller &>(controller_object)),
           model(controller.model), parameters(doubles(true_parameters)),
           disturbance(doubles(true_disturbance)), q(doubles(q0)), dq(doubles(dq0)),
-          tau_previous(model.n()), tau_max(model.n()), total_variation(model.n()) {
+          tau_previous(model.n()), tau_max(model.n()), total_variation(model.n()),
+          ticks_at_limit(model.n()), previous_q(model.n()), rate(model.n()), plant(engine),
+          state(model) {
         model.require_parameters(true_parameters);
         model.require_joints(true_disturbance, "true_disturbance");
         model.require_joints(q0, "q0");
         model.require_joints(dq0, "dq0");
-        require(dt > 0.0 && dt < std::numeric_limits<double>::infinity() && substeps > 0,
+        const auto number = [&](const char *name) { return nb::cast<double>(settings[name]); };
+        const auto whole = [&](const char *name) { return nb::cast<int>(settings[name]); };
+        const auto seed = [&](const char *name, uint64_t *to) {
+            const auto words = nb::cast<std::pair<uint64_t, uint64_t>>(settings[name]);
+            require(words.first || words.second, "seed: both words are 0");
+            to[0] = words.first;
+            to[1] = words.second;
+        };
+        sizes.reserve(4);
+        const auto array = [&](const char *name) -> const double * {
+            const Vec v = nb::cast<Vec>(settings[name]);
+            if (v.size() == 0) return nullptr;
+            model.require_joints(v, name);
+            sizes.push_back(doubles(v));
+            return sizes.back().data();
+        };
+        c.dt = number("dt");
+        c.substeps = whole("substeps");
+        c.implicit = whole("implicit");
+        c.delay = number("delay");
+        c.saturation = whole("saturation");
+        require(c.dt > 0.0 && c.dt < std::numeric_limits<double>::infinity() && c.substeps > 0,
                 "dt and substeps must be positive");
-        c.dt = dt;
-        c.substeps = substeps;
+        require(c.delay >= 0.0 && c.delay <= 1.0, "delay lies in [0, 1]");
+        c.sensor.noise_q = array("noise_position");
+        c.sensor.noise_dq = array("noise_velocity");
+        c.sensor.step_q = array("quantisation_position");
+        c.sensor.step_dq = array("quantisation_velocity");
+        c.sensor.worst = whole("noise_worst");
+        c.sensor.filter = number("filter");
+        seed("noise_seed", c.sensor.random);
+        c.sensor.previous_q = previous_q.data();
+        c.sensor.rate = rate.data();
+        const int kind = whole("disturbance");
+        require(kind >= MR_CONSTANT && kind <= MR_WORST, "disturbance: 0 to 3");
+        c.disturbance.kind = static_cast<mr_disturbance_kind>(kind);
+        c.disturbance.constant = disturbance.data();
+        c.disturbance.frequency = number("frequency");
+        seed("disturbance_seed", c.disturbance.random);
         c.last_outside = -1.0;
         c.q = q.data();
         c.dq = dq.data();
         c.tau_previous = tau_previous.data();
         c.tau_max = tau_max.data();
         c.total_variation = total_variation.data();
+        c.ticks_at_limit = ticks_at_limit.data();
+        if (!plant.is_none()) c.plant = &Loop::move;
         workspace.resize(mr_loop_workspace_size(&model.c));
     }
+    Loop(const Loop &) = delete;
 
     nb::dict advance(const Mat &q_des, const Mat &dq_des, const Mat &ddq_des, int log_every) {
         const size_t count = q_des.shape(0), n = model.n();
@@ -547,23 +665,29 @@ class Loop {
         require(log_every > 0, "log_every must be positive");
         const size_t rows = count / static_cast<size_t>(log_every) + 1;
         static const char *const names[] = {
-            "q",      "dq",  "q_des",      "dq_des",      "ddq_des",        "tau", "w", "phi_lo",
-            "phi_hi", "rho", "width_hull", "width_ianea", "total_variation"};
+            "q", "dq",     "q_des",  "dq_des", "ddq_des",    "tau",         "nominal",
+            "w", "phi_lo", "phi_hi", "rho",    "width_hull", "width_ianea", "total_variation"};
         constexpr size_t columns = sizeof names / sizeof *names;
         std::vector<Doubles> data(columns, Doubles(rows * n));
         Doubles t(rows);
-        mr_loop_log log = {t.data(),        data[0].data(), data[1].data(), data[2].data(),
-                           data[3].data(),  data[4].data(), data[5].data(), data[6].data(),
-                           data[7].data(),  data[8].data(), data[9].data(), data[10].data(),
-                           data[11].data(), data[12].data()};
+        mr_loop_log log = {t.data(),        data[0].data(),  data[1].data(), data[2].data(),
+                           data[3].data(),  data[4].data(),  data[5].data(), data[6].data(),
+                           data[7].data(),  data[8].data(),  data[9].data(), data[10].data(),
+                           data[11].data(), data[12].data(), data[13].data()};
         const mr_parameters view = mr_parameters_view(&model.c, parameters.data());
         int32_t logged = 0;
+        c.context = this;
         {
             nb::gil_scoped_release release;
             status = mr_loop_advance(&model.c, &controller.bounds.c, &controller.gains, &view,
-                                     disturbance.data(), static_cast<int32_t>(count), q_des.data(),
-                                     dq_des.data(), ddq_des.data(), log_every, workspace.data(),
-                                     &state, &c, &log, &logged);
+                                     static_cast<int32_t>(count), q_des.data(), dq_des.data(),
+                                     ddq_des.data(), log_every, workspace.data(), &state.c, &c,
+                                     &log, &logged);
+        }
+        if (failure) {
+            const std::exception_ptr raised = failure;
+            failure = nullptr;
+            std::rethrow_exception(raised);
         }
         const size_t kept = static_cast<size_t>(logged);
         nb::dict out;
@@ -576,15 +700,42 @@ class Loop {
         return out;
     }
 
+    // One step of a robot in Python: step(q, dq, drive, h) gives q and dq after it. What it raises
+    // ends the loop and is raised by `advance`.
+    static mr_status move(void *context, double h, const double *drive, double *q, double *dq) {
+        Loop &loop = *static_cast<Loop *>(context);
+        const size_t n = loop.model.n();
+        nb::gil_scoped_acquire hold;
+        try {
+            const auto array = [&](const double *from) {
+                return numpy(Doubles(from, from + n), {n});
+            };
+            const auto after = nb::cast<std::pair<Vec, Vec>>(
+                loop.plant.attr("step")(array(q), array(dq), array(drive), h));
+            loop.model.require_joints(after.first, "q");
+            loop.model.require_joints(after.second, "dq");
+            std::copy(after.first.data(), after.first.data() + n, q);
+            std::copy(after.second.data(), after.second.data() + n, dq);
+        } catch (...) {
+            loop.failure = std::current_exception();
+            return MR_DIVERGED;
+        }
+        return MR_OK;
+    }
+
     Out copy(const Doubles &v) const { return numpy(Doubles(v), {v.size()}); }
 
     nb::object owner;
     Controller &controller;
     const Model &model;
-    Doubles parameters, disturbance, q, dq, tau_previous, tau_max, total_variation, workspace;
-    mr_controller_state state{};
+    Doubles parameters, disturbance, q, dq, tau_previous, tau_max, total_variation, ticks_at_limit;
+    Doubles previous_q, rate, workspace;
+    std::vector<Doubles> sizes;
+    nb::object plant;
+    ControllerState state;
     mr_loop c{};
     mr_status status = MR_OK;
+    std::exception_ptr failure;
 };
 
 } // namespace
@@ -644,10 +795,8 @@ NB_MODULE(_kernel, m) {
     m.def("forward_kinematics", &forward_kinematics, "model"_a, "q"_a);
 
     nb::class_<Controller>(m, "Controller")
-        .def(nb::init<nb::object, const Vec &, const Vec &, const Vec &, const Mat &, const Vec &,
-                      double, double, double, double, double, int, int>(),
-             "model"_a, "nominal"_a, "lower"_a, "upper"_a, "disturbance"_a, "K_r"_a, "kappa_P"_a,
-             "kappa_I"_a, "phi_P"_a, "phi_I"_a, "epsilon"_a, "law"_a, "bound"_a)
+        .def(nb::init<nb::object, const Vec &, const Vec &, const Vec &, const Mat &, nb::dict>(),
+             "model"_a, "nominal"_a, "lower"_a, "upper"_a, "disturbance"_a, "gains"_a)
         .def("command", &Controller::command, "t"_a, "q"_a, "dq"_a, "q_des"_a, "dq_des"_a,
              "ddq_des"_a)
         .def("torque", &Controller::torque, "integral"_a, "q"_a, "dq"_a, "q_des"_a, "dq_des"_a,
@@ -657,17 +806,18 @@ NB_MODULE(_kernel, m) {
         .def("reset", &Controller::reset)
         .def("memory", &Controller::memory)
         .def("recall", &Controller::recall, "integral"_a, "previous_f"_a, "previous_time"_a,
-             "started"_a, "rho_norm"_a, "kappa"_a, "phi"_a)
+             "started"_a, "start_time"_a, "memory"_a, "rho_norm"_a, "kappa"_a, "phi"_a, "alpha"_a)
         .def_ro("rho_norm", &Controller::rho_norm)
-        .def_prop_ro("integral_rate", [](const Controller &c) { return c.state.previous_f; })
+        .def_prop_ro("integral_rate", [](const Controller &c) { return c.state.c.previous_f; })
         .def_ro("kappa", &Controller::kappa)
-        .def_ro("phi", &Controller::phi);
+        .def_ro("phi", &Controller::phi)
+        .def_ro("alpha", &Controller::alpha);
 
     nb::class_<Loop>(m, "Loop")
-        .def(nb::init<nb::object, const Vec &, const Vec &, const Vec &, const Vec &, double,
-                      int>(),
-             "controller"_a, "true_parameters"_a, "true_disturbance"_a, "q0"_a, "dq0"_a, "dt"_a,
-             "substeps"_a)
+        .def(nb::init<nb::object, const Vec &, const Vec &, const Vec &, const Vec &, nb::dict,
+                      nb::object>(),
+             "controller"_a, "true_parameters"_a, "true_disturbance"_a, "q0"_a, "dq0"_a,
+             "settings"_a, "plant"_a.none())
         .def("advance", &Loop::advance, "q_des"_a, "dq_des"_a, "ddq_des"_a, "log_every"_a)
         .def_prop_ro("status", [](const Loop &l) { return static_cast<int>(l.status); })
         .def_prop_ro("time", [](const Loop &l) { return double(l.c.ticks) * l.c.dt; })
@@ -679,10 +829,14 @@ NB_MODULE(_kernel, m) {
         .def_prop_ro("error_max_after", [](const Loop &l) { return l.c.error_max_after; })
         .def_prop_ro("rho_sum", [](const Loop &l) { return l.c.rho_sum; })
         .def_prop_ro("rho_max", [](const Loop &l) { return l.c.rho_max; })
+        .def_prop_ro("limited", [](const Loop &l) { return l.c.limited; })
         .def_prop_ro(
             "q", [](const Loop &l) { return l.copy(l.q); }, nb::rv_policy::move)
         .def_prop_ro(
             "dq", [](const Loop &l) { return l.copy(l.dq); }, nb::rv_policy::move)
         .def_prop_ro(
-            "tau_max", [](const Loop &l) { return l.copy(l.tau_max); }, nb::rv_policy::move);
+            "tau_max", [](const Loop &l) { return l.copy(l.tau_max); }, nb::rv_policy::move)
+        .def_prop_ro(
+            "ticks_at_limit", [](const Loop &l) { return l.copy(l.ticks_at_limit); },
+            nb::rv_policy::move);
 }

@@ -5,6 +5,8 @@ com (b, 3), inertia xx xy xz yy yz zz (b, 6), rotor inertia, viscous, coulomb (n
 other than STATUS_OK raises `KernelError` with the status as its only argument.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -145,15 +147,9 @@ class Controller:
         lower: _Array,
         upper: _Array,
         disturbance: _Array,
-        K_r: _Array,
-        kappa_P: float,
-        kappa_I: float,
-        phi_P: float,
-        phi_I: float,
-        epsilon: float,
-        law: int,
-        bound: int,
-    ) -> None: ...
+        gains: dict[str, Any],
+    ) -> None:
+        """gains: the members of ``mr_gains`` by name; bound for method, points packed."""
     def command(
         self,
         t: float,
@@ -185,8 +181,10 @@ class Controller:
     ) -> _Array:
         """Seconds of each command on recorded signals; the integrators start at rest."""
     def reset(self) -> None: ...
-    def memory(self) -> tuple[float, float, float, int, float, float, float]:
-        """The integrators and what the last command left, for `recall` on a copy."""
+    def memory(
+        self,
+    ) -> tuple[float, float, float, int, float, _Array, float, float, float, float]:
+        """The state and what the last command left, for `recall` on a copy."""
 
     def recall(
         self,
@@ -194,19 +192,24 @@ class Controller:
         previous_f: float,
         previous_time: float,
         started: int,
+        start_time: float,
+        memory: _Array,
         rho_norm: float,
         kappa: float,
         phi: float,
+        alpha: float,
     ) -> None: ...
     @property
     def rho_norm(self) -> float: ...
     @property
     def integral_rate(self) -> float:
-        """f of the error at the last command."""
+        """Rate of the integrals at the last command: f of the error norm."""
     @property
     def kappa(self) -> float: ...
     @property
     def phi(self) -> float: ...
+    @property
+    def alpha(self) -> float: ...
 
 class Loop:
     def __init__(
@@ -216,9 +219,10 @@ class Loop:
         true_disturbance: _Array,
         q0: _Array,
         dq0: _Array,
-        dt: float,
-        substeps: int,
-    ) -> None: ...
+        settings: dict[str, Any],
+        plant: Any,
+    ) -> None:
+        """settings: numbers of ``mr_loop`` and its parts by name; plant: None or one with step."""
     def advance(
         self, q_des: _Array, dq_des: _Array, ddq_des: _Array, log_every: int
     ) -> dict[str, _Array]:
@@ -249,3 +253,8 @@ class Loop:
     def dq(self) -> _Array: ...
     @property
     def tau_max(self) -> _Array: ...
+    @property
+    def limited(self) -> int:
+        """Ticks at which a torque limit cut the command."""
+    @property
+    def ticks_at_limit(self) -> _Array: ...

@@ -35,7 +35,7 @@ def test_the_papers_figures_are_those_of_section_v() -> None:
 
 
 def test_a_replay_times_every_command_of_the_run_in_c_and_in_python(arm: Robot) -> None:
-    run = mr.simulate(arm, duration=0.1, control_rate=10e3)
+    run = mr.simulate(arm, duration=0.1, rate=10e3)
     times = replay(run, "ianea", repeat=3)
     assert times.in_c.shape == times.in_python.shape == (3 * 101,)
     assert (times.in_c > 0.0).all()

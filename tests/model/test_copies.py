@@ -75,7 +75,7 @@ def test_a_copied_controller_has_integrators_of_its_own(way: str, robot: mr.Robo
 
 @pytest.mark.parametrize("way", COPIES)
 def test_a_copied_result_is_the_same(way: str, robot: mr.Robot) -> None:
-    result = simulate(robot, duration=0.05, control_rate=2e3)
+    result = simulate(robot, duration=0.05, rate=2e3)
     assert len(result.command_seconds)  # cached
     other = COPIES[way](result)
     for name in LOGGED:

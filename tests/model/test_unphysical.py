@@ -204,7 +204,7 @@ def test_the_urdf_and_pinocchio_take_it(tmp_path: Path) -> None:
     q, dq, ddq = np.random.default_rng(0).normal(size=(3, 2))
     theirs = pin.rnea(model, model.createData(), q, dq, ddq)
     np.testing.assert_allclose(mr.inverse_dynamics(robot, q, dq, dq, ddq), theirs, atol=1e-12)
-    run = mr.simulate(robot, plant="pinocchio", duration=0.02, control_rate=1000.0)
+    run = mr.simulate(robot, plant="pinocchio", duration=0.02, rate=1000.0)
     assert run.statistics is not None
     assert run.statistics.violations == 0
 

@@ -185,7 +185,7 @@ def test_the_closed_loop_goes_over_the_seam_as_if_it_were_not_there(plant: str) 
     robot = endless()
     rate = 2e4 if plant == "builtin" else 3e3
     motion = seam(robot)
-    options: dict[str, Any] = {"control_rate": rate, "seed": 1, "plant": plant}
+    options: dict[str, Any] = {"rate": rate, "seed": 1, "plant": plant}
     plain = mr.simulate(robot, trajectory=motion, **options)
     jumping = mr.simulate(robot, trajectory=Wrapped(motion.times, motion.points), **options)
     assert np.abs(np.diff(jumping.q_des[:, 0])).max() > 6.0  # it does jump

@@ -39,7 +39,7 @@ def robot() -> Robot:
 
 @pytest.fixture(scope="module")
 def run(robot: Robot) -> SimulationResult:
-    return simulate(robot, duration=0.5, control_rate=2e3)
+    return simulate(robot, duration=0.5, rate=2e3)
 
 
 def changed(one: Any, other: Any) -> Any:
@@ -158,7 +158,7 @@ def test_trails_stand_still_end_at_the_present_and_are_short(
 ) -> None:
     pytest.importorskip("PIL.Image")
     monkeypatch.setattr("modrobust.pictures.video.Scene", Recorder)
-    result = simulate(robot, duration=3.0, control_rate=2e3)
+    result = simulate(robot, duration=3.0, rate=2e3)
     save_video(result, tmp_path / "run.gif", size=SMALL)
     rows = {q.tobytes(): k for k, q in enumerate(result.q)}
     assert len(Recorder.calls) == 61

@@ -46,7 +46,7 @@ def test_the_run_is_played_from_beginning_to_end(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setitem(sys.modules, "mujoco.viewer", SimpleNamespace(launch_passive=launch))
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setattr("modrobust.pictures.viewer._PAUSE", 0.1)
-    result = simulate(mr.load_robot("lwa4p-payload"), duration=0.3, control_rate=3e3)
+    result = simulate(mr.load_robot("lwa4p-payload"), duration=0.3, rate=3e3)
     view(result, rounds=1)
     (window,) = windows
     assert len(window.shown) > 3
@@ -83,6 +83,6 @@ def test_a_window_that_cannot_open_says_why(monkeypatch: pytest.MonkeyPatch) -> 
 
     monkeypatch.setitem(sys.modules, "mujoco.viewer", SimpleNamespace(launch_passive=launch))
     monkeypatch.setenv("DISPLAY", ":0")
-    result = simulate(mr.load_robot("lwa4p-payload"), duration=0.01, control_rate=3e3)
+    result = simulate(mr.load_robot("lwa4p-payload"), duration=0.01, rate=3e3)
     with pytest.raises(MissingExtraError, match=r"cannot be opened \(could not create window\)"):
         view(result, rounds=1)

@@ -14,7 +14,7 @@ from modrobust.simulation.divergence import Divergence, find_divergence
 
 @pytest.fixture(scope="module")
 def diverged() -> mr.SimulationResult:
-    return mr.simulate(mr.load_robot("lwa4p-paper"), control_rate=1e3, duration=0.5)
+    return mr.simulate(mr.load_robot("lwa4p-paper"), rate=1e3, duration=0.5)
 
 
 def test_the_light_wrist_is_named_with_its_gain_and_inertia(diverged: mr.SimulationResult) -> None:
@@ -29,12 +29,13 @@ def test_the_light_wrist_is_named_with_its_gain_and_inertia(diverged: mr.Simulat
     assert found.gain == pytest.approx(gain, rel=1e-12)
     assert found.inertia == pytest.approx(inertia, rel=1e-9)
     assert found.share == pytest.approx(gain * 1e-3 / inertia, rel=1e-9)
+    assert found.share is not None
     assert found.share > 2.0
 
 
 def test_there_is_one_reason_and_no_consequence(diverged: mr.SimulationResult) -> None:
     limited = replace(diverged.robot, effort_limits=np.ones(6), velocity_limits=np.full(6, 9.0))
-    run = mr.simulate(limited, control_rate=1e3, duration=0.5)
+    run = mr.simulate(limited, rate=1e3, duration=0.5)
     assert run.diverged
     assert run.statistics is not None
     assert (run.statistics.tau_max > limited.effort_limits).all()
@@ -48,7 +49,7 @@ def test_there_is_one_reason_and_no_consequence(diverged: mr.SimulationResult) -
 def test_the_rate_that_is_named_makes_the_loop_hold(diverged: mr.SimulationResult) -> None:
     assert diverged.divergence is not None
     assert diverged.divergence.rate is not None
-    again = mr.simulate(diverged.robot, control_rate=diverged.divergence.rate, duration=0.5)
+    again = mr.simulate(diverged.robot, rate=diverged.divergence.rate, duration=0.5)
     assert not again.diverged
     assert again.divergence is None
     assert again.summary()["divergence"] is None

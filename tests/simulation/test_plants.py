@@ -33,15 +33,19 @@ def frictionless(robot: Robot) -> Robot:
     def without(point: Parameters) -> Parameters:
         return replace(point, viscous=0.0 * point.viscous, coulomb=0.0 * point.coulomb)
 
-    points = {name: without(getattr(robot, name)) for name in ("nominal", "lower", "upper")}
-    return replace(robot, **points)
+    return replace(
+        robot,
+        nominal=without(robot.nominal),
+        lower=without(robot.lower),
+        upper=without(robot.upper),
+    )
 
 
 @pytest.fixture(scope="module")
 def smooth_runs() -> dict[str, SimulationResult]:
     """Ten seconds of the LWA 4P with a payload, no friction, random true parameters."""
     robot = frictionless(mr.load_robot("lwa4p-payload"))
-    options: dict[str, Any] = {"control_rate": RATE, "seed": 3, "duration": 10.0}
+    options: dict[str, Any] = {"rate": RATE, "seed": 3, "duration": 10.0}
     return {plant: simulate(robot, plant=plant, **options) for plant in PLANTS}
 
 
@@ -49,7 +53,7 @@ def smooth_runs() -> dict[str, SimulationResult]:
 def runs() -> dict[str, SimulationResult]:
     """Two seconds of the same robot with its friction, at a corner of the bounds."""
     robot = mr.load_robot("lwa4p-payload")
-    options: dict[str, Any] = {"parameters": "corner", "seed": 4, "control_rate": RATE}
+    options: dict[str, Any] = {"parameters": "corner", "seed": 4, "rate": RATE}
     return {plant: simulate(robot, plant=plant, duration=2.0, **options) for plant in PLANTS}
 
 
@@ -115,7 +119,7 @@ def test_a_violated_bound_is_seen_with_every_plant() -> None:
     """The true robot has no friction; the bounds say that it has."""
     robot = mr.load_robot("lwa4p")
     truth = frictionless(robot).nominal
-    options: dict[str, Any] = {"parameters": truth, "control_rate": 2e3, "duration": 0.1}
+    options: dict[str, Any] = {"parameters": truth, "rate": 2e3, "duration": 0.1}
     ran = [simulate(robot, plant=plant, **options).statistics for plant in PLANTS]
     counts = {statistics.violations for statistics in ran if statistics is not None}
     assert len(counts) == 1
@@ -126,7 +130,7 @@ def test_a_violated_bound_is_seen_with_every_plant() -> None:
 def test_a_bound_violated_on_one_side_only_is_seen(side: float) -> None:
     """A disturbance beyond [d] moves w of every joint to one side."""
     robot = mr.load_robot("lwa4p-payload")
-    options: dict[str, Any] = {"disturbance": side * np.full(robot.n, 100.0), "control_rate": RATE}
+    options: dict[str, Any] = {"disturbance": side * np.full(robot.n, 100.0), "rate": RATE}
     ran = [simulate(robot, plant=p, duration=0.003, **options).statistics for p in PLANTS]
     assert [s.violations for s in ran if s is not None] == [10, 10, 10]
     largest = [s.violation_max for s in ran if s is not None]
@@ -209,7 +213,7 @@ def test_a_run_that_diverges_says_so_and_leaves_no_file(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     robot = mr.load_robot("lwa4p-paper")
-    result = simulate(robot, scenario="1", plant=plant, control_rate=500.0, duration=1.0)
+    result = simulate(robot, scenario="1", plant=plant, rate=500.0, duration=1.0)
     assert result.diverged
     assert result.summary()["reasons"]
     assert len(result.t) < 500

@@ -38,7 +38,7 @@ def state() -> dict[str, Any]:
         "directory": os.getcwd(),
         "locale": locale.setlocale(locale.LC_ALL),
         "numpy": (np.geterr(), repr(np.get_printoptions())),
-        "random": np.random.get_state()[1].tolist(),  # type: ignore[union-attr,index]  # noqa: NPY002
+        "random": np.random.get_state()[1].tolist(),  # type: ignore[index]  # noqa: NPY002
         "decimal": repr(decimal.getcontext()),
         "rounding": environment,
         "interpreter": (sys.getrecursionlimit(), sys.getswitchinterval(), gc.get_threshold()),
@@ -61,7 +61,7 @@ def everything(folder: Path) -> None:
     mjcf_text(robot, robot.nominal)
     robot.sample_parameters(1)
     for plant in ("builtin", "mujoco", "pinocchio"):
-        result = simulate(robot, plant=plant, duration=0.01, control_rate=2e3)
+        result = simulate(robot, plant=plant, duration=0.01, rate=2e3)
         result.save(folder / "run.npz")
         assert result.summary()
 
@@ -100,5 +100,5 @@ def test_nothing_of_the_process_is_changed_while_a_step_runs(
 
     monkeypatch.setattr(mujoco, "mj_solveM", watched)
     before.update(state())
-    simulate(robot, plant="mujoco", duration=0.002, control_rate=2e3)
+    simulate(robot, plant="mujoco", duration=0.002, rate=2e3)
     assert seen > 0

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import modrobust as mr
+from modrobust.checks.types import Array
 from modrobust.errors import FileError, InputError, ShapeError, ValueRangeError
 from modrobust.model import Bounded, Robot, synthetic_chain
 from modrobust.motion import Quintic, Splined
@@ -54,7 +55,7 @@ def arm() -> Robot:
 
 
 def short(robot: Robot, **options: Any) -> SimulationResult:
-    return simulate(robot, **{"duration": 0.2, "control_rate": 10e3, **options})
+    return simulate(robot, **{"duration": 0.2, "rate": 10e3, **options})
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -119,7 +120,7 @@ def test_every_key_of_the_interface_is_in_the_summary_and_it_is_json(
     assert summary["tau_limit"] == [None] * 6
     assert summary["settings"]["scenario"] == "1"
     assert summary["settings"]["K_r"] == [10.0] * 6
-    assert summary["settings"]["control_rate"] == 50e3
+    assert summary["settings"]["loop"]["rate"] == 50e3
 
 
 def test_the_log_is_a_millisecond_grid_of_the_papers_motion(
@@ -154,7 +155,7 @@ def test_the_plant_obeys_its_equation_of_motion(arm: Robot) -> None:
     fine = short(arm, parameters="corner", seed=4, substeps=10)
     np.testing.assert_allclose(coarse.q, fine.q, atol=1e-9)
     # A central difference of the logged velocity is the forward dynamics at the logged torque.
-    run = short(arm, parameters="corner", seed=4, control_rate=1e3, duration=0.02, K_r=1.0)
+    run = short(arm, parameters="corner", seed=4, rate=1e3, duration=0.02, K_r=1.0)
     d = np.array(run.settings["disturbance"])
     for k in range(5, 8):
         ddq = mr.forward_dynamics(
@@ -193,7 +194,7 @@ def test_a_violation_is_found_out_beyond_the_rounding_of_the_torque(arm: Robot, 
 
 
 def test_a_low_control_rate_diverges_and_says_so(paper: Robot) -> None:
-    run = simulate(paper, scenario="2", control_rate=1e3)
+    run = simulate(paper, scenario="2", rate=1e3)
     assert run.diverged
     assert not run.ok
     summary = run.summary()
@@ -215,7 +216,7 @@ def test_not_reaching_epsilon_is_a_reason(arm: Robot) -> None:
 
 def test_the_length_of_a_run_does_not_change_its_motion(arm: Robot) -> None:
     """Half a second of the default motion is its first part, not all of it in a hurry."""
-    part, longer = (short(arm, duration=d, control_rate=2e3) for d in (0.25, 0.5))
+    part, longer = (short(arm, duration=d, rate=2e3) for d in (0.25, 0.5))
     assert part.settings["motion_time"] == longer.settings["motion_time"] == 10.0
     k = len(part.t)
     np.testing.assert_array_equal(part.q_des, longer.q_des[:k])
@@ -225,7 +226,7 @@ def test_the_length_of_a_run_does_not_change_its_motion(arm: Robot) -> None:
 
 def test_a_run_that_is_cut_short_is_not_judged_on_epsilon(arm: Robot) -> None:
     motion = Quintic(np.array([0.0, 0.3]), np.zeros((2, 2)))
-    options: dict[str, Any] = {"q0": [0.5, 0.5], "trajectory": motion, "control_rate": 2e3}
+    options: dict[str, Any] = {"q0": [0.5, 0.5], "trajectory": motion, "rate": 2e3}
     cut = short(arm, duration=0.01, **options)
     assert (cut.cut_short, cut.summary()["cut_short"]) == (True, True)
     assert cut.epsilon_entered_at is None
@@ -269,7 +270,7 @@ def test_a_torque_beyond_its_limit_is_a_reason(arm: Robot) -> None:
 
 
 def test_epsilon_is_entered_at_the_tick_after_the_last_one_outside(arm: Robot) -> None:
-    run = short(arm, q0=[0.02, 0.0], trajectory=REST, duration=1.0, control_rate=1e3)
+    run = short(arm, q0=[0.02, 0.0], trajectory=REST, duration=1.0, rate=1e3)
     outside = np.flatnonzero(run.error >= 0.01)
     assert len(outside)
     assert run.epsilon_entered_at == pytest.approx(run.t[outside[-1] + 1])
@@ -431,10 +432,10 @@ def test_a_log_that_cannot_be_written_is_refused_and_nothing_is_left(
             ValueRangeError,
             "duration: 1e+09 s at 10000 Hz are more than 1e+10 commands; make it shorter",
         ),
-        ({"control_rate": 0.0}, ValueRangeError, "control_rate: 0 Hz; must lie in"),
-        ({"control_rate": np.nan}, ValueRangeError, "control_rate: nan Hz; must lie in"),
+        ({"rate": 0.0}, ValueRangeError, "rate: 0 Hz; must lie in"),
+        ({"rate": np.nan}, ValueRangeError, "rate: nan Hz; must lie in"),
         ({"substeps": 0}, ValueRangeError, "substeps: 0; must be at least 1"),
-        ({"control_rate": "50k"}, ValueRangeError, "control_rate: '50k'; must be a number [Hz]"),
+        ({"rate": "50k"}, ValueRangeError, "rate: '50k'; must be a number [Hz]"),
         ({"duration": "1 s"}, ValueRangeError, "duration: '1 s'; must be a number [s]"),
         ({"substeps": 1.5}, ValueRangeError, "substeps: 1.5; must be a whole number"),
         ({"substeps": 2**40}, ValueRangeError, "substeps: 1099511627776; must be at most 1000000"),
@@ -526,12 +527,12 @@ def test_a_start_outside_the_limits_is_refused(arm: Robot) -> None:
 def test_the_last_tick_lies_within_the_duration(
     arm: Robot, duration: float, rate: float, ticks: int
 ) -> None:
-    run = short(arm, trajectory=REST, duration=duration, control_rate=rate)
+    run = short(arm, trajectory=REST, duration=duration, rate=rate)
     assert run.statistics is not None
     assert run.statistics.ticks == ticks
     assert (ticks - 1) / rate <= duration * (1.0 + 1e-15) < ticks / rate
     rows = np.array([0.0, duration])
-    short(arm, trajectory=Splined(rows, np.zeros((2, 2))), duration=duration, control_rate=rate)
+    short(arm, trajectory=Splined(rows, np.zeros((2, 2))), duration=duration, rate=rate)
 
 
 def test_parameters_of_another_robot_are_refused(arm: Robot) -> None:
@@ -543,7 +544,7 @@ def test_parameters_of_another_robot_are_refused(arm: Robot) -> None:
 
 
 def test_chattering_is_one_for_a_slow_signal_and_large_for_a_shaking_one() -> None:
-    t = np.arange(6001) * 1e-3
+    t: Array = np.arange(6001.0) * 1e-3
     slow = np.sin(t)
     shaking = slow + 0.01 * np.sin(2.0 * np.pi * 200.0 * t)
     tau = np.stack([slow, shaking, np.ones_like(t)], axis=1)

@@ -157,7 +157,7 @@ def simulate(
             law=law,
             duration=wanted,
             trajectory=trajectory,
-            control_rate=rate,
+            rate=rate,
             plant=plant,
             progress=start,
         )

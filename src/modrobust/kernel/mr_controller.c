@@ -1,7 +1,20 @@
-/* Robust control law (3), (4), (7), (8) with the integrators of Section V. */
+/* Robust control laws: (3), (4), (7), (8) with the integrators of Section V, and (29). */
 #include "mr_internal.h"
 
 #define MR_TIME_ROUNDING 0x1p-50 /* how far time may seem to go back, relative to itself */
+
+size_t mr_command_workspace_size(const mr_model *model) {
+    const size_t j = (size_t)model->j;
+    return mr_dynamics_workspace_size(model) + j * j + MR_COMMAND_ARRAYS * (size_t)model->n;
+}
+
+mr_status mr_elapsed(const mr_controller_state *state, double t, double *elapsed) {
+    if (!isfinite(t)) return MR_NOT_FINITE;
+    const double back = state->started > 0 ? state->previous_time - t : 0.0;
+    if (back > MR_TIME_ROUNDING * fabs(state->previous_time)) return MR_TIME;
+    *elapsed = back < 0.0 ? -back : 0.0;
+    return MR_OK;
+}
 
 mr_state mr_auxiliary(const mr_model *model, const mr_gains *gains, const double *q,
                       const double *dq, const double *q_des, const double *dq_des,
@@ -24,16 +37,58 @@ mr_state mr_auxiliary(const mr_model *model, const mr_gains *gains, const double
     return (mr_state){q, dq, a[0], a[1], a[2], a[3]};
 }
 
+mr_state mr_state_of_law(const mr_model *model, const mr_gains *gains,
+                         const mr_controller_state *state, double t, const double *q,
+                         const double *dq, const double *q_des, const double *dq_des,
+                         const double *ddq_des, double *const a[4]) {
+    if (gains->law != MR_LAW_SAMPLED)
+        return mr_auxiliary(model, gains, q, dq, q_des, dq_des, ddq_des, a);
+    const size_t n = (size_t)model->n;
+    mr_motion_ahead(model, gains, t - state->start_time, state->memory + MR_START * n,
+                    state->memory + MR_START_RATE * n, q_des, dq_des, ddq_des, a[0], a[1], a[2]);
+    return (mr_state){a[0], a[1], a[1], a[2], NULL, NULL};
+}
+
+/* (29): v = (K^-1 + T M^-1)^-1 r by the solution of (K + M / T) x = M r / T, v = K x. K is in v. */
+static mr_status allow_for_hold(const mr_model *model, const mr_gains *gains, const double *r,
+                                double *workspace, double *v) {
+    const int32_t n = model->n;
+    double *M = workspace + mr_dynamics_workspace_size(model);
+    double *x = M + (size_t)model->j * (size_t)model->j;
+    /* between half a period and one and a half after the measurement where it acts a tick late */
+    const double hold = gains->period * (1.0 + 2.0 * gains->delay);
+    mr_mass_here(model, &gains->light, workspace, M);
+    for (int32_t i = 0; i < n; ++i) {
+        x[i] = 0.0;
+        for (int32_t k = 0; k < n; ++k) {
+            M[i * n + k] /= hold;
+            x[i] += M[i * n + k] * r[k];
+        }
+    }
+    for (int32_t i = 0; i < n; ++i) M[i * n + i] += v[i];
+    const mr_status status = mr_cholesky_solve(n, M, x);
+    if (status) return status;
+    for (int32_t i = 0; i < n; ++i) v[i] *= x[i];
+    return MR_OK;
+}
+
+/* kappa or phi, not above its ceiling where it has one. */
+static double under(double value, double ceiling) {
+    return ceiling > 0.0 && value > ceiling ? ceiling : value;
+}
+
 mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
                         double t, const double *q, const double *dq, const double *q_des,
                         const double *dq_des, const double *ddq_des, double *workspace,
                         mr_controller_state *state, mr_command_out *out) {
+    if (gains->law == MR_LAW_SAMPLED)
+        return mr_sampled_command(model, bounds, gains, t, q, dq, q_des, dq_des, ddq_des,
+                                  workspace, state, out);
     const int32_t n = model->n;
     const mr_workspace ws = mr_workspace_view(model, workspace);
-    double error_squared = 0.0, rho_squared = 0.0;
-    if (!isfinite(t)) return MR_NOT_FINITE; /* what is not finite in a signal is so in (4) too */
-    const double back = state->started ? state->previous_time - t : 0.0;
-    if (back > MR_TIME_ROUNDING * fabs(state->previous_time)) return MR_TIME;
+    double error_squared = 0.0, rho_squared = 0.0, elapsed = 0.0;
+    mr_status status = mr_elapsed(state, t, &elapsed);
+    if (status) return status; /* what is not finite in a signal is so in (4) too */
 
     double *const auxiliary[4] = {ws.dq_a, ws.ddq_a, ws.dq_a_size, ws.ddq_a_size};
     const mr_state given = mr_auxiliary(model, gains, q, dq, q_des, dq_des, ddq_des, auxiliary);
@@ -41,7 +96,7 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
         const double error = mr_error_of(model, i, q_des, q);
         error_squared += error * error;
     }
-    const mr_status status = mr_perturbation_box(model, bounds, gains->method, &given, &ws);
+    status = mr_perturbation_box(model, bounds, gains->method, &given, &ws);
     if (status) return status;
     if (mr_beyond_wrapping(model, q_des)) return MR_ANGLE_RANGE;
     for (int32_t i = 0; i < n; ++i) { /* (8) */
@@ -51,14 +106,27 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
     const double error = sqrt(error_squared);
     /* rounded up, underflow of the squares included */
     const double rho_norm = sqrt(rho_squared + 0x1p-1000) * (1.0 + (n + 4) * 0x1p-52);
-    const double elapsed = state->started && back < 0.0 ? -back : 0.0;
-    const double integral = state->integral + state->previous_f * elapsed;
-    const double kappa = gains->kappa_P + gains->kappa_I * integral;
-    const double phi = gains->phi_P + gains->phi_I * integral;
+    const double lost = gains->leak * elapsed;
+    const double decayed = lost < 1.0 ? state->integral * (1.0 - lost) : 0.0;
+    const double integral = decayed + state->previous_f * elapsed;
+    const double kappa = under(gains->kappa_P + gains->kappa_I * integral, gains->kappa_max);
+    const double phi = under(gains->phi_P + gains->phi_I * integral, gains->phi_max);
     const double gain = kappa * rho_norm + phi; /* (7) */
     if (!isfinite(gain) || !isfinite(error)) return MR_NOT_FINITE;
+    double *r = ws.dq_a_size, *v = ws.ddq_a_size; /* of no more use */
+    for (int32_t i = 0; i < n; ++i) {
+        const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]), rho = a > b ? a : b;
+        r[i] = ws.dq_a[i] - dq[i];
+        v[i] = gains->law == MR_LAW_COMPONENTWISE ? kappa * rho + phi : gain;
+    }
+    if (gains->hold_aware) {
+        status = allow_for_hold(model, gains, r, workspace, v);
+        if (status) return status;
+    } else {
+        for (int32_t i = 0; i < n; ++i) v[i] *= r[i];
+    }
     for (int32_t i = 0; i < n; ++i)
-        if (!isfinite(ws.mid[i] + gain * (ws.dq_a[i] - dq[i]))) return MR_NOT_FINITE;
+        if (!isfinite(ws.mid[i] + v[i])) return MR_NOT_FINITE;
 
     for (int32_t i = 0; i < n; ++i) {
         const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]);
@@ -66,15 +134,17 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
         out->phi_lo[i] = ws.lo[i];
         out->phi_hi[i] = ws.hi[i];
         out->nominal[i] = ws.mid[i];
-        out->v[i] = gain * (ws.dq_a[i] - dq[i]); /* r = dq_a - dq */
+        out->v[i] = v[i];
         out->tau[i] = out->nominal[i] + out->v[i];
     }
     out->rho_norm = rho_norm;
     out->kappa = kappa;
     out->phi = phi;
+    out->alpha = 1.0;
     state->integral = integral;
     state->previous_f = error < gains->epsilon ? 0.0 : error;
-    if (!state->started || back < 0.0) state->previous_time = t;
+    if (!state->started || elapsed > 0.0) state->previous_time = t;
+    if (!state->started) state->start_time = t;
     state->started = 1;
     return MR_OK;
 }

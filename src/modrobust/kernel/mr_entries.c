@@ -93,14 +93,13 @@ mr_status mr_command(const mr_model *model, const mr_bounds *bounds, const mr_ga
 }
 
 mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
-                          const mr_parameters *true_parameters, const double *true_disturbance,
-                          int32_t count, const double *q_des, const double *dq_des,
-                          const double *ddq_des, int32_t log_every, double *workspace,
-                          mr_controller_state *state, mr_loop *loop, mr_loop_log *log,
-                          int32_t *logged) {
-    IN_OUR_ENVIRONMENT(mr_do_loop_advance(model, bounds, gains, true_parameters, true_disturbance,
-                                          count, q_des, dq_des, ddq_des, log_every, workspace,
-                                          state, loop, log, logged));
+                          const mr_parameters *true_parameters, int32_t count, const double *q_des,
+                          const double *dq_des, const double *ddq_des, int32_t log_every,
+                          double *workspace, mr_controller_state *state, mr_loop *loop,
+                          mr_loop_log *log, int32_t *logged) {
+    IN_OUR_ENVIRONMENT(mr_do_loop_advance(model, bounds, gains, true_parameters, count, q_des,
+                                          dq_des, ddq_des, log_every, workspace, state, loop, log,
+                                          logged));
 }
 
 mr_status mr_tracking_error(const mr_model *model, const double *q, const double *q_des,

@@ -299,6 +299,70 @@ mr_state mr_auxiliary(const mr_model *model, const mr_gains *gains, const double
                       const double *dq, const double *q_des, const double *dq_des,
                       const double *ddq_des, double *const a[4]);
 
+/* Memory of mr_command beyond that of the dynamics: a matrix, then arrays of n. */
+enum {
+    MR_ERROR,
+    MR_RATE,
+    MR_AHEAD_Q,
+    MR_AHEAD_DQ,
+    MR_AHEAD_DDQ,
+    MR_NOMINAL,
+    MR_FEEDBACK,
+    MR_PULL,
+    MR_ACCELERATION,
+    MR_OFFSET,
+    MR_OFFSET_RATE,
+    MR_COMMAND_ARRAYS
+};
+
+/* What the law `sampled` remembers, arrays of n in mr_controller_state.memory. */
+enum { MR_SIGMA, MR_PAST, MR_START, MR_START_RATE, MR_MEMORY };
+
+/* 0, or MR_TIME where t is before the previous command; *elapsed is the time since then. */
+mr_status mr_elapsed(const mr_controller_state *state, double t, double *elapsed);
+
+/* The law `sampled`, (31) to (34). */
+mr_status mr_sampled_command(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
+                             double t, const double *q, const double *dq, const double *q_des,
+                             const double *dq_des, const double *ddq_des, double *workspace,
+                             mr_controller_state *state, mr_command_out *out);
+
+/* Its desired motion in the middle of the time that the command will be held for, the way from the
+ * start included, after the first command. */
+void mr_motion_ahead(const mr_model *model, const mr_gains *gains, double since_start,
+                     const double *start, const double *start_rate, const double *q_des,
+                     const double *dq_des, const double *ddq_des, double *q, double *dq,
+                     double *ddq);
+
+/* Where a law takes [Phi] and w: (4), or the motion ahead; a has room for four arrays. */
+mr_state mr_state_of_law(const mr_model *model, const mr_gains *gains,
+                         const mr_controller_state *state, double t, const double *q,
+                         const double *dq, const double *q_des, const double *dq_des,
+                         const double *ddq_des, double *const a[4]);
+
+/* What is measured of q and dq where the loop's r is r. */
+void mr_sense(int32_t n, mr_sensor *sensor, double dt, const double *r, const double *q,
+              const double *dq, double *q_seen, double *dq_seen);
+
+/* d at the beginning of a tick; of the worst kind its value where r is 0. */
+void mr_draw_disturbance(const mr_bounds *bounds, int32_t n, mr_disturbance *disturbance, double t,
+                         double *d);
+void mr_push_away(const mr_bounds *bounds, int32_t n, const double *r, double *d);
+
+/* Moves q and dq on by h under a constant torque: Runge-Kutta of fourth order, or, where friction is
+ * too stiff for that, an implicit method of second order. */
+size_t mr_plant_memory_size(const mr_model *model);
+mr_status mr_explicit_step(const mr_model *model, const mr_parameters *parameters, double h,
+                           const double *drive, double *workspace, double *memory, double *q,
+                           double *dq);
+mr_status mr_implicit_step(const mr_model *model, const mr_parameters *parameters, double h,
+                           const double *drive, double *workspace, double *memory, double *q,
+                           double *dq);
+
+/* M(q) by composite bodies at the state that the last recursion left; M has room for (j, j). */
+void mr_mass_here(const mr_model *model, const mr_parameters *parameters, double *workspace,
+                  double *M);
+
 /* Composite-body mass matrix (n, n) on links whose R and p are filled in; M has (j, j) room. */
 void mr_composite_mass(const mr_model *model, const mr_parameters *parameters,
                        const mr_link *links, int drives, double *composite, double *M);
@@ -338,11 +402,10 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
                         const double *dq_des, const double *ddq_des, double *workspace,
                         mr_controller_state *state, mr_command_out *out);
 mr_status mr_do_loop_advance(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
-                             const mr_parameters *true_parameters, const double *true_disturbance,
-                             int32_t count, const double *q_des, const double *dq_des,
-                             const double *ddq_des, int32_t log_every, double *workspace,
-                             mr_controller_state *state, mr_loop *loop, mr_loop_log *log,
-                             int32_t *logged);
+                             const mr_parameters *true_parameters, int32_t count,
+                             const double *q_des, const double *dq_des, const double *ddq_des,
+                             int32_t log_every, double *workspace, mr_controller_state *state,
+                             mr_loop *loop, mr_loop_log *log, int32_t *logged);
 int32_t mr_do_find_uncertain(int32_t b, const mr_parameters *lower, const mr_parameters *upper,
                              int32_t *uncertain);
 void mr_do_sincos(double x, double *sine, double *cosine);

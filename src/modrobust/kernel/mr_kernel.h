@@ -37,7 +37,7 @@ typedef enum {
 typedef enum { MR_REVOLUTE = 0, MR_PRISMATIC = 1 } mr_joint_type;
 typedef enum { MR_ABOUT_COM = 0, MR_ABOUT_FRAME = 1 } mr_inertia_point;
 typedef enum { MR_HULL = 0, MR_IANEA = 1 } mr_method;
-typedef enum { MR_LAW_NORM = 0 } mr_law;
+typedef enum { MR_LAW_NORM = 0, MR_LAW_COMPONENTWISE = 1, MR_LAW_SAMPLED = 2 } mr_law;
 
 #define MR_ANGLE_MAX 1e5 /* [rad] */
 
@@ -176,21 +176,44 @@ mr_status mr_forward_dynamics(const mr_model *model, const mr_parameters *parame
 mr_status mr_forward_kinematics(const mr_model *model, const double *q, double *workspace,
                                 mr_transform *frames);
 
-/* Robust control law (3), (4), (7), (8). */
+/* The control laws: (3), (4), (7), (8), (29) and (31) to (34). What only one of them reads may be
+ * zero or NULL for the others. */
 typedef struct {
-    const double *K_r; /* (n) diagonal [1/s] */
+    const double *K_r; /* (n) diagonal [1/s], of norm and componentwise, as the next two lines */
     double kappa_P, kappa_I, phi_P, phi_I;
-    double epsilon; /* radius within which the integrators rest */
+    double kappa_max, phi_max; /* ceilings of kappa and phi; 0: none */
+    double leak;               /* decay of their integral [1/s] */
+    double epsilon;            /* radius within which the integrators rest */
     mr_law law;
     mr_method method;
+    int32_t hold_aware;   /* of norm and componentwise: the command is held, (29) */
+    double period;        /* T, for which a command is held [s] */
+    double delay;         /* D, how late it acts, in periods, 0 to 1 */
+    double G, Lambda;     /* of sampled [1/s], as all that follows but light */
+    double L_i;           /* [1/s^2] */
+    double blend;         /* time from the state at the start to the motion [s] */
+    int32_t integral;     /* parts of the law that can be left out */
+    int32_t predictor;
+    int32_t vector_saturation;
+    const double *effort_limit; /* (n) [N m] or [N], may be infinite */
+    mr_parameters centre; /* D_c of (30) */
+    mr_parameters light;  /* D_s of (30), of hold_aware too */
 } mr_gains;
 
 typedef struct {
     double integral;       /* of f(|e|) over time, e of (4) */
     double previous_f;     /* f at the previous command */
     double previous_time;  /* [s] */
-    int32_t started;       /* 0 before the first command */
+    int32_t started;       /* 0 before the first command; -1: that one starts from a q in memory */
+    double start_time;     /* of the first command [s] */
+    double *memory;        /* (mr_controller_memory_size) of sampled; NULL for the others */
 } mr_controller_state;
+
+/* Number of doubles that the law `sampled` remembers: sigma of (33), the acceleration of (31), and
+ * where it started from, (34), its position and velocity, n each. Before the first command they do
+ * not matter, but for the position where state->started is -1: it starts from there, and else from
+ * where it is measured. */
+size_t mr_controller_memory_size(const mr_model *model);
 
 /* The error e of (4) (n): q_des - q, of a joint that wraps less the whole turns that leave at most
  * half a one. */
@@ -199,7 +222,7 @@ mr_status mr_tracking_error(const mr_model *model, const double *q, const double
 
 /* Arrays of n doubles that the caller provides. */
 typedef struct {
-    double *tau;     /* the command: nominal + v */
+    double *tau;     /* the command: nominal + v, cut at the limits by vector_saturation */
     double *nominal; /* u0 */
     double *v;
     double *phi_lo;
@@ -208,7 +231,11 @@ typedef struct {
     double rho_norm;
     double kappa;
     double phi;
+    double alpha;    /* share of the feedback that the limits leave room for, (32); else 1 */
 } mr_command_out;
+
+/* Number of doubles of working memory of mr_command, mr_workspace_size included. */
+size_t mr_command_workspace_size(const mr_model *model);
 
 mr_status mr_command(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
                      double t, const double *q, const double *dq, const double *q_des,
@@ -218,27 +245,61 @@ mr_status mr_command(const mr_model *model, const mr_bounds *bounds, const mr_ga
 /* Number of doubles of working memory of mr_loop_advance, mr_workspace_size included. */
 size_t mr_loop_workspace_size(const mr_model *model);
 
+/* How q and dq are measured, (28): with errors in a box, then in steps. */
+typedef struct {
+    const double *noise_q, *noise_dq; /* (n) half widths of the box, or NULL */
+    const double *step_q, *step_dq;   /* (n) or NULL; 0 = none */
+    int32_t worst;        /* errors at the end of the box that hides r, instead of drawn ones */
+    double filter; /* dq is differentiated from q, and this share of it taken; 0: measured */
+    uint64_t random[2]; /* state of the generator, not both 0 */
+    int32_t started;
+    double *previous_q, *rate; /* (n) of a differentiated velocity */
+} mr_sensor;
+
+typedef enum { MR_CONSTANT = 0, MR_SINE = 1, MR_RANDOM = 2, MR_WORST = 3 } mr_disturbance_kind;
+
+/* d within [d]: as given, a sine over the whole box, drawn at each tick, or at each step the end of
+ * the box that pushes along -r. */
+typedef struct {
+    mr_disturbance_kind kind;
+    const double *constant; /* (n) */
+    double frequency; /* of a sine [Hz] */
+    uint64_t random[2]; /* state of the generator, not both 0 */
+} mr_disturbance;
+
+/* A robot that is not ours: moves q and dq on by h under the torque (drives and disturbance). */
+typedef mr_status (*mr_plant)(void *context, double h, const double *drive, double *q, double *dq);
+
 /* The closed loop of controller and plant (23); the command is held for one tick. */
 typedef struct {
-    double dt;          /* tick [s] */
-    int32_t substeps;   /* Runge-Kutta steps a tick */
-    int64_t ticks;      /* ticks done; time = ticks * dt */
+    double dt; /* tick [s] */
+    int32_t substeps; /* steps of the integrator a tick */
+    int32_t implicit; /* an implicit step instead of Runge-Kutta's, for stiff friction */
+    double delay; /* ticks after which a command acts, 0 to 1 */
+    int32_t saturation; /* the drive cuts commands at the limits of mr_gains.effort_limit */
+    mr_sensor sensor;
+    mr_disturbance disturbance;
+    mr_plant plant; /* NULL: our own */
+    void *context; /* of the plant */
+    int64_t ticks; /* ticks done; time = ticks * dt */
     int64_t violations; /* ticks at which w left [Phi], (24) */
     double violation_max;
-    double error_last;      /* |e| of (4) at the last tick */
-    double last_outside;    /* last time with error >= epsilon, -1 if never [s] */
+    double error_last; /* |e| of (4) at the last tick */
+    double last_outside; /* last time with error >= epsilon, -1 if never [s] */
     double error_max_after; /* largest error since then */
     double rho_sum, rho_max;
-    double *q, *dq;           /* (n) state of the plant */
-    double *tau_previous;     /* (n) */
-    double *tau_max;          /* (n) largest |tau| */
-    double *total_variation;  /* (n) sum of |tau_k - tau_(k-1)| over all ticks */
+    int64_t limited; /* ticks at which a limit changed a command */
+    double *q, *dq; /* (n) state of the plant */
+    double *tau_previous; /* (n) */
+    double *tau_max; /* (n) largest |tau| */
+    double *total_variation; /* (n) sum of |tau_k - tau_(k-1)| over all ticks */
+    double *ticks_at_limit; /* (n) ticks at which that joint's torque was cut, or at its limit */
 } mr_loop;
 
 /* One logged tick: pointers to n doubles each. */
 typedef struct {
     double *t; /* one double */
-    double *q, *dq, *q_des, *dq_des, *ddq_des, *tau, *w, *phi_lo, *phi_hi, *rho;
+    double *q, *dq, *q_des, *dq_des, *ddq_des, *tau, *nominal, *w, *phi_lo, *phi_hi, *rho;
     double *width_hull, *width_ianea, *total_variation;
 } mr_loop_log;
 
@@ -246,11 +307,10 @@ typedef struct {
  * of log_every into rows log_start, log_start + 1, ... of the log arrays and returns in *logged
  * how many. Stops with MR_DIVERGED at the tick that cannot be computed; all before it stands. */
 mr_status mr_loop_advance(const mr_model *model, const mr_bounds *bounds, const mr_gains *gains,
-                          const mr_parameters *true_parameters, const double *true_disturbance,
-                          int32_t count, const double *q_des, const double *dq_des,
-                          const double *ddq_des, int32_t log_every, double *workspace,
-                          mr_controller_state *state, mr_loop *loop, mr_loop_log *log,
-                          int32_t *logged);
+                          const mr_parameters *true_parameters, int32_t count, const double *q_des,
+                          const double *dq_des, const double *ddq_des, int32_t log_every,
+                          double *workspace, mr_controller_state *state, mr_loop *loop,
+                          mr_loop_log *log, int32_t *logged);
 
 /* MR_PLATFORM where the machine or the build does not round as the proof in
  * docs/theory/rounding.md needs it; to be called once, before anything else. */

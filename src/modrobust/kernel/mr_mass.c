@@ -191,6 +191,12 @@ size_t mr_dynamics_workspace_size(const mr_model *model) {
     return mr_workspace_size(model) + j * (COMPOSITE_DOUBLES + j);
 }
 
+void mr_mass_here(const mr_model *model, const mr_parameters *parameters, double *workspace,
+                  double *M) {
+    const mr_workspace ws = mr_workspace_view(model, workspace);
+    mr_composite_mass(model, parameters, ws.links, 1, workspace + mr_workspace_size(model), M);
+}
+
 mr_status mr_do_mass_matrix(const mr_model *model, const mr_parameters *parameters,
                             const double *q, int drives, double *workspace, double *M) {
     mr_workspace ws = mr_workspace_view(model, workspace);

@@ -16,6 +16,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from modrobust import _kernel
 from modrobust.checks import did_you_mean
 from modrobust.checks.types import Array
 from modrobust.errors import MissingExtraError, ValueRangeError
@@ -24,20 +25,85 @@ from modrobust.export.urdf import urdf_text
 from modrobust.model import Parameters, Robot
 
 BUILTIN = "builtin"
+_SHARE, _PASSES, _SOLUTIONS = 1.0 - 0.5**0.5, 2, 60  # of the implicit step, as in mr_plant.c
 _OUT_OF_RANGE = 1e10  # [rad] or [m], as MuJoCo has it
 
 
 class Plant(Protocol):
-    """A robot in motion: positions q and velocities dq, ``(n,)`` [rad] or [m], per s."""
+    """A robot that another engine moves: positions q and velocities dq, ``(n,)``."""
 
-    q: Array
-    dq: Array
-
-    def advance(self, tau: Array) -> None:
-        """One tick under the torques of the drives ``tau`` (n,), held, and the disturbance."""
+    def step(self, q: Array, dq: Array, drive: Array, h: float) -> tuple[Array, Array]:
+        """Q and dq after h [s] under the torques ``drive`` (n,), disturbance included, held."""
 
 
-class MujocoPlant:
+class _EnginePlant:
+    """Mass matrix and bias forces of an engine; friction, mimic joints and integration are ours.
+
+    Args:
+        robot: Any robot with n free joints, j in all.
+        parameters: What the plant is made of.
+        implicit: An implicit step instead of Runge-Kutta's, for stiff friction.
+    """
+
+    def __init__(self, robot: Robot, parameters: Parameters, implicit: bool = False) -> None:
+        self._positions = robot.all_positions
+        self._G = np.zeros((robot.j, robot.n))
+        self._G[robot.free, np.arange(robot.n)] = 1.0
+        self._G[robot.mimic.joints, robot.mimic.leaders] = robot.mimic.multiplier
+        self._viscous, self._coulomb = parameters.viscous, parameters.coulomb
+        self._speed2 = robot.coulomb_speed**2
+        self._close = 1e-10 * float(robot.coulomb_speed.min())
+        self._implicit = implicit
+
+    def _rigid(self, q: Array, rates: Array) -> tuple[Array, Array]:
+        """M, (j, j), and the bias forces, (j,), of all joints, without friction."""
+        raise NotImplementedError
+
+    def step(self, q: Array, dq: Array, drive: Array, h: float) -> tuple[Array, Array]:
+        """Q and dq after h [s] under the torques ``drive`` (n,), held."""
+        if self._implicit:
+            return self._implicit_step(q, dq, drive, h)
+        return runge_kutta(self._acceleration, q, dq, drive, h)
+
+    def _free(self, q: Array, dq: Array) -> tuple[Array, Array, Array]:
+        """M (n, n) and bias (n,) of the free joints, and the slope of friction along dq, (n,)."""
+        rates = self._G @ dq
+        M, bias = self._rigid(self._positions(q), rates)
+        return self._G.T @ M @ self._G, self._G.T @ bias, self._slope(dq)
+
+    def _slope(self, dq: Array) -> Array:
+        """F_v + F_c / sqrt(dq^2 + v_c^2), by which (20) is linear in dq, of the free joints."""
+        rates = self._G @ dq
+        slope = self._viscous + self._coulomb / np.sqrt(rates * rates + self._speed2)
+        return np.asarray(slope @ self._G**2)
+
+    def _acceleration(self, q: Array, dq: Array, drive: Array) -> Array:
+        M, bias, slope = self._free(q, dq)
+        return np.asarray(np.linalg.solve(M, drive - bias - slope * dq))
+
+    def _implicit_step(self, q: Array, dq: Array, drive: Array, h: float) -> tuple[Array, Array]:
+        """The two-stage method of Alexander, as ``mr_implicit_step`` has it."""
+        g = _SHARE * h
+        first = self._implicit_stage(q, dq, drive, g, dq)
+        before = (1.0 - _SHARE) / _SHARE
+        q0, dq0 = q + before * g * first, dq + before * (first - dq)
+        second = self._implicit_stage(q0, dq0, drive, g, first)
+        return q0 + g * second, second
+
+    def _implicit_stage(self, q0: Array, dq0: Array, drive: Array, g: float, dq1: Array) -> Array:
+        """dq1 = dq0 + g ddq(q0 + g dq1, dq1) from a first guess of it."""
+        for _ in range(_PASSES):
+            M, bias, _ = self._free(q0 + g * dq1, dq1)
+            fixed = M @ dq0 + g * (drive - bias)
+            for _ in range(_SOLUTIONS):
+                found = np.linalg.solve(M + np.diag(g * self._slope(dq1)), fixed)
+                change, dq1 = float(np.abs(found - dq1).max()), np.asarray(found)
+                if not change > 1e-10 * float(np.abs(dq1).max()) + self._close:
+                    break
+        return dq1
+
+
+class MujocoPlant(_EnginePlant):
     """The robot in MuJoCo: mass matrix and bias forces of our MJCF, classical Runge-Kutta.
 
     Friction and integration are ours, as with Pinocchio: MuJoCo takes a force that follows the
@@ -49,27 +115,16 @@ class MujocoPlant:
     Args:
         robot: Any robot with n free joints, j in all.
         parameters: What the plant is made of.
-        disturbance: Constant true disturbance ``(n,)`` [N m] or [N].
-        q0, dq0: State at the start, ``(n,)``.
-        dt: Tick [s].
-        substeps: Steps of the integrator a tick.
+        implicit: An implicit step instead of Runge-Kutta's, for stiff friction.
 
     Raises:
         MissingExtraError: The package mujoco is not installed.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        parameters: Parameters,
-        disturbance: Array,
-        q0: Array,
-        dq0: Array,
-        dt: float,
-        substeps: int,
-    ) -> None:
+    def __init__(self, robot: Robot, parameters: Parameters, implicit: bool = False) -> None:
+        super().__init__(robot, parameters, implicit)
         self._mujoco: Any = engine("mujoco", "mujoco", 'plant "mujoco"')
-        text = mjcf_text(robot, parameters, timestep=dt / substeps, visual=False).text
+        text = mjcf_text(robot, parameters, visual=False).text
         self._model = self._mujoco.MjModel.from_xml_string(text)
         # Neither soft mimic joints nor dry friction: both are made here.
         self._model.opt.disableflags |= int(self._mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
@@ -77,41 +132,24 @@ class MujocoPlant:
         joints = [self._model.joint(name) for name in robot.all_joint_names]
         self._dofs = np.array([joint.dofadr[0] for joint in joints], dtype=np.intp)
         self._places = np.array([joint.qposadr[0] for joint in joints], dtype=np.intp)
-        self._friction = _Friction(robot, parameters)
-        self._mimic = MimicProjection(robot) if robot.j > robot.n else None
-        self._disturbance, self._h, self._substeps = disturbance, dt / substeps, substeps
         self._bias, self._torque = np.empty(self._model.nv), np.empty((1, self._model.nv))
         self._answer = np.empty((1, self._model.nv))
-        self.q, self.dq = np.array(q0), np.array(dq0)
 
-    def advance(self, tau: Array) -> None:
-        """One tick."""
-        drive = tau + self._disturbance
-        for _ in range(self._substeps):
-            self.q, self.dq = runge_kutta(self._acceleration, self.q, self.dq, drive, self._h)
-
-    def _acceleration(self, q: Array, dq: Array, drive: Array) -> Array:
-        mujoco, model, data, mimic = self._mujoco, self._model, self._data, self._mimic
-        everything = q if mimic is None else mimic.positions(q)
-        rates = dq if mimic is None else mimic.G @ dq
-        if not (np.abs(everything) < _OUT_OF_RANGE).all():
-            return np.full(len(q), np.nan)
-        data.qpos[self._places] = everything
+    def _rigid(self, q: Array, rates: Array) -> tuple[Array, Array]:
+        mujoco, model, data = self._mujoco, self._model, self._data
+        if not (np.abs(q) < _OUT_OF_RANGE).all():
+            raise _kernel.KernelError(_kernel.STATUS_DIVERGED)
+        data.qpos[self._places] = q
         data.qvel[self._dofs] = rates
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_comVel(model, data)
         mujoco.mj_rne(model, data, 0, self._bias)
-        bias = self._bias[self._dofs] + self._friction(rates)
-        if mimic is None:
-            self._torque[0, self._dofs] = drive - bias
-            mujoco.mj_solveM(model, data, self._answer, self._torque)
-            return np.asarray(self._answer[0, self._dofs])
         M = np.empty((model.nv, model.nv))
         mujoco.mj_fullM(model, data, M)
-        return mimic.acceleration(M[np.ix_(self._dofs, self._dofs)], bias, drive)
+        return M[np.ix_(self._dofs, self._dofs)], self._bias[self._dofs]
 
 
-class PinocchioPlant:
+class PinocchioPlant(_EnginePlant):
     """The robot in Pinocchio: our URDF, its articulated-body algorithm, classical Runge-Kutta.
 
     Arguments as those of `MujocoPlant`. Armature, gravity and friction, which URDF does not hold or
@@ -122,16 +160,8 @@ class PinocchioPlant:
         MissingExtraError: The package pin is not installed.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        parameters: Parameters,
-        disturbance: Array,
-        q0: Array,
-        dq0: Array,
-        dt: float,
-        substeps: int,
-    ) -> None:
+    def __init__(self, robot: Robot, parameters: Parameters, implicit: bool = False) -> None:
+        super().__init__(robot, parameters, implicit)
         self._pin: Any = engine("pinocchio", "pinocchio", 'plant "pinocchio"')
         self._model = self._pin.buildModelFromXML(urdf_text(robot, parameters).text)
         self._model.gravity.linear = np.array(robot.gravity)
@@ -148,66 +178,20 @@ class PinocchioPlant:
         armature[self._order] = robot.gear_ratio**2 * parameters.rotor_inertia
         self._model.armature = armature
         self._data = self._model.createData()
-        self._friction = _Friction(robot, parameters)
-        self._mimic = MimicProjection(robot) if robot.j > robot.n else None
-        self._disturbance, self._h, self._substeps = disturbance, dt / substeps, substeps
-        self._velocity, self._torque = np.empty(robot.j), np.empty(robot.j)
-        self.q, self.dq = np.array(q0), np.array(dq0)
+        self._velocity = np.empty(robot.j)
 
-    def advance(self, tau: Array) -> None:
-        """One tick."""
-        drive = tau + self._disturbance
-        for _ in range(self._substeps):
-            self.q, self.dq = runge_kutta(self._acceleration, self.q, self.dq, drive, self._h)
-
-    def _acceleration(self, q: Array, dq: Array, drive: Array) -> Array:
-        pin, model, data, mimic = self._pin, self._model, self._data, self._mimic
-        everything = q if mimic is None else mimic.positions(q)
-        rates = dq if mimic is None else mimic.G @ dq
-        self._configuration[self._plain_at] = everything[self._plain]
+    def _rigid(self, q: Array, rates: Array) -> tuple[Array, Array]:
+        pin, model, data = self._pin, self._model, self._data
+        self._configuration[self._plain_at] = q[self._plain]
         if len(self._circle):
-            angle = everything[self._circle]
+            angle = q[self._circle]
             self._configuration[self._circle_at] = np.cos(angle)
             self._configuration[self._circle_at + 1] = np.sin(angle)
-        friction = self._friction(rates)
         self._velocity[self._order] = rates
-        if mimic is None:
-            self._torque[self._order] = drive - friction
-            a = pin.aba(model, data, self._configuration, self._velocity, self._torque)
-            free: Array = a[self._order]
-            return free
         upper = np.triu(pin.crba(model, data, self._configuration))
         M = upper + np.triu(upper, 1).T
-        bias = pin.nonLinearEffects(model, data, self._configuration, self._velocity)[self._order]
-        return mimic.acceleration(M[np.ix_(self._order, self._order)], bias + friction, drive)
-
-
-class _Friction:
-    """F_v dq + F_c s(dq) of the j joints, (20)."""
-
-    def __init__(self, robot: Robot, parameters: Parameters) -> None:
-        self._viscous, self._coulomb = parameters.viscous, parameters.coulomb
-        self._speed2 = robot.coulomb_speed**2
-
-    def __call__(self, dq: Array) -> Array:
-        smooth = dq / np.sqrt(dq * dq + self._speed2)
-        return np.asarray(self._viscous * dq + self._coulomb * smooth)
-
-
-class MimicProjection:
-    """The j joints of a robot from its n free ones, q_all = G q + offset, (15)."""
-
-    def __init__(self, robot: Robot) -> None:
-        f = robot.mimic
-        self.positions = robot.all_positions
-        self.G = np.zeros((robot.j, robot.n))
-        self.G[robot.free, np.arange(robot.n)] = 1.0
-        self.G[f.joints, f.leaders] = f.multiplier
-
-    def acceleration(self, M: Array, bias: Array, drive: Array) -> Array:
-        """Of the free joints ``(n,)``: M (j, j), bias (j,), drive (n,)."""
-        G = self.G
-        return np.asarray(np.linalg.solve(G.T @ M @ G, drive - G.T @ bias), dtype=np.float64)
+        bias = pin.nonLinearEffects(model, data, self._configuration, self._velocity)
+        return M[np.ix_(self._order, self._order)], bias[self._order]
 
 
 def runge_kutta(
@@ -233,22 +217,13 @@ _PLANTS: dict[str, Callable[..., Plant]] = {"mujoco": MujocoPlant, "pinocchio": 
 PLANTS = (BUILTIN, *_PLANTS)
 
 
-def make_plant(
-    name: str,
-    robot: Robot,
-    parameters: Parameters,
-    disturbance: Array,
-    q0: Array,
-    dq0: Array,
-    dt: float,
-    substeps: int,
-) -> Plant:
+def make_plant(name: str, robot: Robot, parameters: Parameters, implicit: bool = False) -> Plant:
     """The plant of that name, see `MujocoPlant`.
 
     Raises:
         MissingExtraError: Its engine is not installed.
     """
-    return _PLANTS[name](robot, parameters, disturbance, q0, dq0, dt, substeps)
+    return _PLANTS[name](robot, parameters, implicit)
 
 
 def check_plant(name: str) -> None:

@@ -16,16 +16,29 @@ from modrobust.checks.types import Array
 from modrobust.control import RobustController
 from modrobust.errors import ModrobustError
 from modrobust.kernel import own_environment
-from modrobust.model import ControllerSettings, Parameters, Robot
+from modrobust.model import ControllerSettings, LoopSettings, Parameters, Robot
 from modrobust.simulation.divergence import Divergence, find_divergence
-from modrobust.simulation.engine_loop import EngineLoop
 from modrobust.simulation.metrics import CHATTERING_LIMIT, chattering, plain, ratio, time_statistics
-from modrobust.simulation.remarks import remarks
+from modrobust.simulation.remarks import is_noisy, remarks
 
 _LOG_FILE = (".npz", "a log")
+_OFTEN = 0.05  # of the ticks, that torque limits may cut a command of a good run
 
 LOGGED = (
-    *("t", "q", "dq", "q_des", "dq_des", "ddq_des", "tau", "w", "phi_lo", "phi_hi", "rho"),
+    *(
+        "t",
+        "q",
+        "dq",
+        "q_des",
+        "dq_des",
+        "ddq_des",
+        "tau",
+        "nominal",
+        "w",
+        "phi_lo",
+        "phi_hi",
+        "rho",
+    ),
     *("width_hull", "width_ianea", "total_variation"),
 )
 
@@ -45,9 +58,11 @@ class LoopStatistics:
     tau_max: Array
     rho_sum: float
     rho_max: float
+    limited: int  # ticks at which a torque limit cut the command
+    ticks_at_limit: Array  # of each joint
 
     @classmethod
-    def of(cls, loop: _kernel.Loop | EngineLoop) -> LoopStatistics:
+    def of(cls, loop: _kernel.Loop) -> LoopStatistics:
         """The loop's figures as they are now."""
         return cls(
             ticks=loop.ticks,
@@ -61,6 +76,8 @@ class LoopStatistics:
             tau_max=np.array(loop.tau_max),
             rho_sum=loop.rho_sum,
             rho_max=loop.rho_max,
+            limited=loop.limited,
+            ticks_at_limit=np.array(loop.ticks_at_limit),
         )
 
 
@@ -76,6 +93,7 @@ class SimulationResult:
     robot: Robot
     settings: dict[str, Any]
     controller: ControllerSettings
+    loop: LoopSettings
     parameters: Parameters
     """True parameters of the plant."""
     statistics: LoopStatistics | None
@@ -94,7 +112,9 @@ class SimulationResult:
     ddq_des: Array
     """Desired accelerations, ``(m, n)`` [rad/s^2]."""
     tau: Array
-    """Torques, u of (3), ``(m, n)`` [N m]."""
+    """Torques, u of (3) or (32), as the drive has cut them, ``(m, n)`` [N m]."""
+    nominal: Array
+    """Nominal part of the torques, u_0, ``(m, n)`` [N m]."""
     w: Array
     """Perturbation that the true parameters make, (6), ``(m, n)`` [N m]."""
     phi_lo: Array
@@ -134,7 +154,7 @@ class SimulationResult:
             self.robot,
             self.parameters,
             self.controller,
-            1.0 / self.settings["control_rate"],
+            1.0 / self.loop.rate,
             self.t,
             self.q,
             self.dq,
@@ -149,7 +169,7 @@ class SimulationResult:
         s = self.statistics
         if s is None or s.ticks == 0 or self.diverged or s.error_last >= self.controller.epsilon:
             return None
-        return 0.0 if s.last_outside < 0.0 else s.last_outside + 1.0 / self.settings["control_rate"]
+        return 0.0 if s.last_outside < 0.0 else s.last_outside + 1.0 / self.loop.rate
 
     @property
     @own_environment()
@@ -169,7 +189,7 @@ class SimulationResult:
         """
         if len(self.t) == 0:
             return np.zeros(0)
-        controller = RobustController(self.robot, **vars(self.controller))
+        controller = RobustController(self.robot, loop=self.loop, **vars(self.controller))
         inputs = (self.q, self.dq, self.q_des, self.dq_des, self.ddq_des)
         try:
             controller.time_commands(self.t[:1000], *(x[:1000] for x in inputs))
@@ -191,7 +211,7 @@ class SimulationResult:
         if self.divergence is not None:
             reasons.append(
                 f"the loop diverged at {s.time:.6g} s: {self.divergence.cause}; what helps: "
-                + ", or ".join(self.divergence.remedies)
+                f"{self.divergence.remedy}"
             )
         if s.violations:
             reasons.append(f"the bound was violated at {s.violations} of {s.ticks} ticks")
@@ -209,7 +229,22 @@ class SimulationResult:
                     f'joint "{self.robot.joint_names[j]}" needed {s.tau_max[j]:.4g} {unit}, '
                     f"beyond its limit of {limit:.4g} {unit}"
                 )
+        if s.limited > _OFTEN * s.ticks:
+            reasons.append(f"{self._limits_named}: more than {_OFTEN:.0%} of the time")
         return reasons
+
+    @property
+    def _limits_named(self) -> str:
+        """At how many ticks torque limits cut the command, and which joints they are of."""
+        s = self.statistics
+        assert s is not None
+        named = [
+            f'"{name}" at {int(count)}'
+            for name, count in zip(self.robot.joint_names, s.ticks_at_limit, strict=True)
+            if count
+        ]
+        which = f" (joint {', '.join(named)})" if named else ""
+        return f"torque limits cut the command at {s.limited} of {s.ticks} ticks{which}"
 
     @cached_property
     @own_environment()
@@ -227,15 +262,24 @@ class SimulationResult:
     @property
     @own_environment()
     def remarks(self) -> list[str]:
-        """What the verdict does not judge, one sentence each: of the motion, torques that chatter,
-        and positions and velocities beyond their limits, which the controller does not know. Of
-        the logged ticks. None of a run that diverged: what it did then follows from that.
+        """What the verdict does not judge, one sentence each; empty of a run that diverged.
+
+        Of the motion, torques that chatter, and positions and velocities beyond their limits, which
+        the controller does not know; of the logged ticks. What a run that diverged did follows
+        from that.
         """
         if self.diverged:
             return []
         duration = self.settings["duration"]
-        of_run = remarks(self.robot, duration, self.t, self.q, self.dq, self.chattering)
-        return [*self.settings.get("motion_remarks", ()), *of_run]
+        settings = self.robot, self.controller, self.loop, duration
+        logged = self.t, self.q, self.dq, self.tau
+        of_run = remarks(*settings, *logged, self.chattering)
+        said = list(self.settings.get("motion_remarks", ()))
+        if self.statistics is not None and self.statistics.limited > 0:
+            said.append(f"{self._limits_named}: nothing is guaranteed while they do")
+        if self.settings.get("rate_warning"):
+            said.append(self.settings["rate_warning"])
+        return [*said, *of_run]
 
     @property
     def ok(self) -> bool:
@@ -272,7 +316,9 @@ class SimulationResult:
             "width_ianea": width_ianea,
             "ianea_over_hull": ratio(width_ianea, width_hull),
             "chattering": self.chattering,
-            "chattering_limit": CHATTERING_LIMIT,
+            "chattering_limit": None if is_noisy(self.loop) else CHATTERING_LIMIT,
+            "limited": 0 if s is None else s.limited,
+            "ticks_at_limit": None if s is None else s.ticks_at_limit,
             "command_time": time_statistics(self.command_seconds),
             "ticks": 0 if s is None else s.ticks,
             "time": 0.0 if s is None else min(s.time, self.settings["duration"]),

@@ -4,8 +4,8 @@ r"""Closed loop of controller and plant, run in C in chunks.
           + F_v \dot q + F_c\,s(\dot q) = u + d
 
 The plant has true parameters that the controller does not know. The command is evaluated at each
-tick of the control rate and held until the next; the plant is integrated in between by the
-classical Runge-Kutta method. See `modrobust.simulation.result` for what a run leaves.
+tick and held until the next takes its place; the plant is integrated in between, (28). See
+`modrobust.simulation.result` for what a run leaves.
 """
 
 from __future__ import annotations
@@ -13,9 +13,11 @@ from __future__ import annotations
 import math
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,10 +25,11 @@ from numpy.typing import ArrayLike
 from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_number, did_you_mean
 from modrobust.checks.types import Array
-from modrobust.control import PerJoint, RobustController, settings_dict
+from modrobust.control import ControllerOptions, RateWarning, RobustController, settings_dict
+from modrobust.control.settings import kernel_loop, loop_dict
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
-from modrobust.model import Parameters, Robot
+from modrobust.model import LoopSettings, Parameters, Robot
 from modrobust.motion import Trajectory, make_trajectory
 from modrobust.motion.limits import (
     check_duration,
@@ -35,17 +38,15 @@ from modrobust.motion.limits import (
     motion_remarks,
 )
 from modrobust.motion.trajectory import DEFAULT_DURATION, motion_time
-from modrobust.simulation.engine_loop import EngineLoop
+from modrobust.simulation.integration import Steps, choose_steps
 from modrobust.simulation.metrics import plain
 from modrobust.simulation.plants import BUILTIN, check_plant, make_plant
 from modrobust.simulation.result import LOGGED, LoopStatistics, SimulationResult
 
 PARAMETER_CHOICES = ("nominal", "lower", "upper", "corner", "random")
-CONTROL_RATE = 50e3  # [Hz]
-MAX_CONTROL_RATE = 1e7  # [Hz]
 LOG_STEP = 1e-3  # [s]
 MAX_TICKS = 10**10
-MAX_SUBSTEPS = 10**6
+
 MAX_LOGGED = 10**6  # longer runs are logged more coarsely than every millisecond
 _CHUNK_SECONDS = 0.1  # of wall time, between two looks at the keyboard
 
@@ -128,23 +129,19 @@ def simulate(
     scenario: str | int | None = None,
     parameters: str | Parameters | None = None,
     seed: int = 0,
-    law: str | None = None,
-    bound: str | None = None,
-    K_r: PerJoint | None = None,
-    kappa_P: float | None = None,
-    kappa_I: float | None = None,
-    phi_P: float | None = None,
-    phi_I: float | None = None,
-    epsilon: float | None = None,
     trajectory: Trajectory | str | Path | None = None,
     duration: float | None = None,
-    control_rate: float = CONTROL_RATE,
-    substeps: int = 1,
+    rate: float | None = None,
+    delay: float | None = None,
+    loop: LoopSettings | None = None,
+    substeps: int | None = None,
     plant: str = BUILTIN,
     q0: ArrayLike | None = None,
     dq0: ArrayLike | None = None,
+    initial_error: ArrayLike | None = None,
     disturbance: ArrayLike | None = None,
     progress: Progress | None = None,
+    **options: Unpack[ControllerOptions],
 ) -> SimulationResult:
     """Run the closed loop, the plant (23) under the command (3), and return what happened.
 
@@ -155,22 +152,24 @@ def simulate(
             ``"lower"``, ``"upper"``, ``"corner"``, ``"random"`` (the default), or a `Parameters`.
             The constant true disturbance is drawn from [d] in the same way.
         seed: Seeds ``"random"`` and ``"corner"``.
-        law, bound: See `RobustController`.
-        K_r: One number for all joints, a mapping by joint name, or ``(n,)`` [1/s].
-        kappa_P, kappa_I: Gains of kappa [s/rad], [1/rad^2].
-        phi_P, phi_I: Gains of phi [N m s/rad], [N m/rad^2].
-        epsilon: Norm of the tracking error to reach [rad] or [m].
         trajectory: See `make_trajectory`; the description's own when None.
         duration: Simulated time [s]; the trajectory's own when None, else 10 s. The last command is
             given at the last whole tick within it. It does not change the motion: a shorter run is
             its first part (``cut_short``), in a longer one its last pose is held.
-        control_rate: Commands a second [Hz]; each is held until the next.
-        substeps: Runge-Kutta steps between two commands.
+        rate: Commands a second [Hz]; each is held until the next.
+        delay: How late a command acts, in periods, 0 to 1.
+        loop: The whole loop, instead of the robot's; rate and delay are laid over it.
+        substeps: Steps of the integrator between two commands, by Runge-Kutta's method. None = as
+            many as the robot needs, and an implicit method where friction is too stiff for that.
         plant: What moves as the true robot: ``"builtin"``, or another engine, ``"mujoco"`` or
             ``"pinocchio"``, whose loop runs in Python; see `modrobust.simulation.plants`.
-        q0, dq0: State at the start, ``(n,)`` [rad], [rad/s]. When None: the description's
-            ``initial`` where its own trajectory is used, else on the trajectory.
-        disturbance: True disturbance ``(n,)`` [N m] or [N]; overrides the drawn one.
+        q0: Positions at the start, ``(n,)`` [rad] or [m]. When None: the description's ``initial``
+            where its own trajectory is used, else on the trajectory.
+        dq0: Velocities at the start, ``(n,)`` [rad/s] or [m/s]; when None as ``q0``.
+        initial_error: q_des - q at the start, ``(n,)``, or its norm, spread by the seed; instead of
+            q0 [rad] or [m].
+        disturbance: Constant true disturbance ``(n,)`` [N m] or [N]; overrides the drawn one.
+        **options: Settings of the controller by name, as of `RobustController`.
         progress: Called before the run and between chunks with simulated and total time [s].
 
     Returns:
@@ -185,34 +184,31 @@ def simulate(
     check_plant(plant)
     scenario = None if scenario is None else str(scenario)
     seed = as_integer("seed", seed, 0)
-    substeps = as_integer("substeps", substeps, 1, MAX_SUBSTEPS)
-    control_rate = as_number("control_rate", control_rate, "Hz")
-    controller = RobustController(
-        robot,
-        law=law,
-        bound=bound,
-        K_r=K_r,
-        kappa_P=kappa_P,
-        kappa_I=kappa_I,
-        phi_P=phi_P,
-        phi_I=phi_I,
-        epsilon=epsilon,
-    )
+    motion = make_trajectory(robot, trajectory)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RateWarning)  # a remark of the run says it
+        controller = RobustController(
+            robot, rate=rate, delay=delay, loop=loop, motion=motion, **options
+        )
+    settled, need = controller.loop, controller.rate_need
     truth = true_robot(robot, parameters, scenario, seed, disturbance)
     if duration is not None:
         duration = as_number("duration", duration, "s")
         check_duration(duration)
-        _tick_count(duration, control_rate)
-    motion = make_trajectory(robot, trajectory)
+        _tick_count(duration, settled.rate)
     if duration is None:
         duration = DEFAULT_DURATION if motion.duration is None else motion.duration
     check_duration(duration, motion)
     check_limits(robot, motion, duration)
-    ticks = _tick_count(duration, control_rate)
-    dt = 1.0 / control_rate
-    log_every = max(1, round(LOG_STEP * control_rate), math.ceil(ticks / MAX_LOGGED))
+    ticks = _tick_count(duration, settled.rate)
+    dt = controller.period
+    log_every = max(1, round(LOG_STEP * settled.rate), math.ceil(ticks / MAX_LOGGED))
     start = motion.sample([0.0])
     own = trajectory is None
+    if initial_error is not None:
+        if q0 is not None:
+            raise ValueRangeError("initial_error: given beside q0, which sets it; give one of both")
+        q0 = start[0][0] - _initial_error(robot, initial_error, seed)
     q_start = _start("q0", q0, robot.initial_q if own else None, start[0][0], robot)
     dq_start = _start("dq0", dq0, robot.initial_dq if own else None, start[1][0], robot)
     check_start(
@@ -220,8 +216,9 @@ def simulate(
         ("q0" if q0 is not None else "initial.q", q_start),
         ("dq0" if dq0 is not None else "initial.dq", dq_start),
     )
-    loop = _loop(plant, controller, truth, q_start, dq_start, dt, substeps)
-    run = _Run(loop, motion, ticks, dt, log_every)
+    steps = choose_steps(robot, truth.parameters, motion, duration, dt, substeps)
+    running = _loop(plant, controller, truth, q_start, dq_start, seed, steps)
+    run = _Run(running, motion, ticks, dt, log_every)
     run.advance(progress, duration)
     settings = {
         "robot": robot.name,
@@ -233,9 +230,12 @@ def simulate(
         "motion_time": motion_time(motion),
         "motion_remarks": motion_remarks(robot, motion, duration),
         "duration": duration,
-        "control_rate": control_rate,
-        "hold": "the command is evaluated at the control rate and held between",
-        "substeps": substeps,
+        "loop": loop_dict(settled),
+        "rate_needed": None if need is None else need.rate,
+        "rate_warning": None if need is None else need.warning,
+        "design": None if controller.design is None else controller.design.to_dict(),
+        "substeps": steps.count,
+        "integrator": steps.method,
         "plant": plant,
         "log_step": log_every * dt,
         "q0": q_start.tolist(),
@@ -248,6 +248,7 @@ def simulate(
         robot=robot,
         settings=plain(settings),
         controller=controller.settings,
+        loop=settled,
         parameters=truth.parameters,
         statistics=run.statistics,
         interrupted=run.interrupted,
@@ -261,16 +262,26 @@ def _loop(
     truth: TrueRobot,
     q0: Array,
     dq0: Array,
-    dt: float,
-    substeps: int,
-) -> _kernel.Loop | EngineLoop:
-    """The closed loop in C, or with a plant of another engine."""
-    d = truth.disturbance
-    if plant == BUILTIN:
-        kernel = controller.kernel
-        return _kernel.Loop(kernel, truth.parameters.packed, d, q0, dq0, dt, substeps)
-    moving = make_plant(plant, controller.robot, truth.parameters, d, q0, dq0, dt, substeps)
-    return EngineLoop(controller, moving, truth.parameters, d, dt)
+    seed: int,
+    steps: Steps,
+) -> _kernel.Loop:
+    """The closed loop in C, whose robot may be that of another engine."""
+    moving = None
+    if plant != BUILTIN:
+        moving = make_plant(plant, controller.robot, truth.parameters, steps.implicit)
+    settings = kernel_loop(controller.loop, seed, steps.count, steps.implicit)
+    return _kernel.Loop(
+        *(controller.kernel, truth.parameters.packed, truth.disturbance, q0, dq0, settings, moving)
+    )
+
+
+def _initial_error(robot: Robot, given: ArrayLike, seed: int) -> Array:
+    """The error at the start; a norm is spread over the joints by the seed."""
+    if np.ndim(given) == 0:
+        size = as_number("initial_error", given)
+        direction = np.random.default_rng([seed, 1]).standard_normal(robot.n)
+        return np.asarray(size * direction / np.linalg.norm(direction))
+    return _state("initial_error", given, robot)
 
 
 class _Run:
@@ -278,7 +289,7 @@ class _Run:
 
     def __init__(
         self,
-        loop: _kernel.Loop | EngineLoop,
+        loop: _kernel.Loop,
         motion: Trajectory,
         ticks: int,
         dt: float,
@@ -326,21 +337,16 @@ class _Run:
         return {name: np.concatenate([log[name] for log, _ in self.chunks]) for name in LOGGED}
 
 
-def _tick_count(duration: float, control_rate: float) -> int:
-    if not (math.isfinite(control_rate) and 1.0 <= control_rate <= MAX_CONTROL_RATE):
-        raise ValueRangeError(
-            f"control_rate: {control_rate:g} Hz; must lie in [1, {MAX_CONTROL_RATE:g}] Hz; "
-            f"the default is {CONTROL_RATE:g} Hz"
-        )
+def _tick_count(duration: float, rate: float) -> int:
     # Whole ticks within the duration; rounding of the product makes none of them fall out.
-    count = duration * control_rate * (1.0 + 4.0 * sys.float_info.epsilon)
+    count = duration * rate * (1.0 + 4.0 * sys.float_info.epsilon)
     if count < 1.0:
         raise ValueRangeError(
-            f"duration: {duration:g} s is less than one tick of {control_rate:g} Hz; make it longer"
+            f"duration: {duration:g} s is less than one tick of {rate:g} Hz; make it longer"
         )
     if count >= MAX_TICKS + 1.0:
         raise ValueRangeError(
-            f"duration: {duration:g} s at {control_rate:g} Hz are more than {MAX_TICKS:.0e} "
+            f"duration: {duration:g} s at {rate:g} Hz are more than {MAX_TICKS:.0e} "
             "commands; make it shorter"
         )
     return math.floor(count) + 1  # both ends: the first command is given at 0

@@ -157,7 +157,7 @@ SETTINGS = record(
         "motion_time": optional(SIZE),
         "motion_remarks": array(TEXT),
         "duration": SIZE,
-        "control_rate": SIZE,
+        "rate": SIZE,
         "hold": TEXT,
         "substeps": COUNT,
         "plant": exactly("builtin", "mujoco", "pinocchio"),
