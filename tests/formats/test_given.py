@@ -49,7 +49,7 @@ BAD = [
     ({"tolerance": {}}, "tolerance: an empty mapping; such as "),
     ({"tolerance": {5: "5%"}}, "tolerance: key 5; keys are texts; quote it"),
     ({"tolerance": {"mass": None}}, "tolerance.mass: None; must be a number, a text such as "),
-    ({"tolerance": {"mass": True}}, "tolerance.mass: True; must be a number, a text such as "),
+    ({"tolerance": {"mass": True}}, 'tolerance.mass: "true" is not a number; a quantity is '),
     ({"tolerance": {"mas": "5%"}}, 'tolerance: unknown key "mas"; did you mean "mass"?'),
     ({"tolerance": {"mass": float("nan")}}, 'tolerance.mass: "nan" is not a number; '),
     ({"tolerance": {"mass": "5 %x"}}, 'tolerance.mass: "5 %x"'),

@@ -51,6 +51,8 @@ def test_the_schema_accepts_every_file_of_the_catalogue(kind):
         ("module", MODULE, "modrobust: 1", "modrobust: 2"),
         ("assembly", ASSEMBLY, "payload", "paylod"),
         ("assembly", ASSEMBLY, "kind: sines", "kind: sine"),
+        ("assembly", ASSEMBLY, "law: norm", "lawe: norm"),
+        ("assembly", ASSEMBLY, "law: norm", "law: nrom"),
         ("assembly", ASSEMBLY, "disturbance: [-1 N m, 1 N m]", "disturbance: [1, 2, 3]"),
     ],
 )
@@ -58,6 +60,31 @@ def test_the_schema_refuses_what_the_loader_refuses(kind, text, old, new):
     validator = Draft202012Validator(json_schema(kind))
     assert validator.is_valid(_data(_parse_yaml(text, "x.yaml")))
     assert not validator.is_valid(_data(_parse_yaml(text.replace(old, new, 1), "x.yaml")))
+
+
+@pytest.mark.parametrize(
+    ("line", "valid"),
+    [
+        ("controller: auto", True),
+        ("controller: norm", False),
+        ("controller: {G: 40 1/s, integral: off, predictor: false}", True),
+        ("controller: {G: [1, 2]}", False),
+        (
+            "loop: {rate: 1 kHz, delay: 1, saturation: true, noise: {position: 1e-4, sign: worst}}",
+            True,
+        ),
+        ("loop: {noise: {position: {arm.axis: 1e-4 rad, tool.axis: 1e-4}}}", True),
+        ("loop: {rate: [1, 2]}", False),
+        ("loop: {noise: 1e-4}", False),
+        ("loop: {saturation: 1}", False),
+    ],
+)
+def test_the_schema_of_controller_and_loop_is_that_of_the_loader(line, valid):
+    own = "controller: {law: norm, K_r: 10, kappa_P: 2, epsilon: 0.01 rad}"
+    text = ASSEMBLY.replace(own, line)
+    assert own in ASSEMBLY
+    data = _data(_parse_yaml(text, "x.yaml"))
+    assert Draft202012Validator(json_schema("assembly")).is_valid(data) == valid
 
 
 @pytest.mark.parametrize("kind", FILES)

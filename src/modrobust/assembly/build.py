@@ -23,8 +23,10 @@ def build_robot(
     base: Description | None = None,
     gravity: Sequence[float | str] | None = None,
     payload: str | Description | None = None,
+    payloads: Mapping[str, str | Description] | None = None,
     disturbance: float | str | Description | None = None,
-    controller: Description | None = None,
+    controller: str | Description | None = None,
+    loop: Description | None = None,
     trajectory: Description | None = None,
     initial: Description | None = None,
     scenarios: Description | None = None,
@@ -53,8 +55,10 @@ def build_robot(
         base: World to base frame: ``xyz`` (3,) [m], ``rpy`` (3,) [rad].
         gravity: In world axes, (3,) [m/s^2]; None = 9.81 m/s^2 along -z.
         payload: A body at the tip, see `load_robot`.
+        payloads: Several bodies at the tip by name, in place of one; ``"none"`` is no body.
         disturbance: Bounds of the disturbance of each joint [N m] or [N]: one for all, or by name.
         controller: Settings of the controller: ``K_r`` [1/s] and the other gains.
+        loop: The loop as the drive runs it: ``rate`` [Hz], ``delay`` in periods, and so on.
         trajectory: The robot's own motion: ``kind`` and its keys.
         initial: State at the start: ``q`` [rad] or [m], ``dq`` [rad/s] or [m/s].
         scenarios: True parameters of simulations, by name.
@@ -76,8 +80,10 @@ def build_robot(
         "base": base,
         "gravity": gravity,
         "payload": payload,
+        "payloads": payloads,
         "disturbance": disturbance,
         "controller": controller,
+        "loop": loop,
         "trajectory": trajectory,
         "initial": initial,
         "scenarios": scenarios,

@@ -11,9 +11,9 @@ from modrobust.assembly.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.assembly.regularity import refuse_singular
 from modrobust.assembly.scenarios import scenario_parameters
 from modrobust.assembly.settings import controller_settings, per_joint, trajectory_settings
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.checks.types import Array, Flags
-from modrobust.formats import Assembly, JointItem, Quantity
+from modrobust.formats import Assembly, JointItem, Payload, Quantity
 from modrobust.model import Bounded, MimicJoints, Parameters, Robot
 from modrobust.model.physical import ABOUT_FRAME
 from modrobust.model.sampling import physical_bodies
@@ -32,8 +32,9 @@ def build(description: Assembly, parts: Parts) -> Robot:
             the mass matrix is singular.
     """
     joints = parts.joints
-    bodies = [*parts.bodies, *_payload(description, parts)]
-    nominal, lower, upper = (_parameters(bodies, joints, end) for end in ("nominal", "lo", "hi"))
+    carried = _payload(description, parts)
+    bodies = [*parts.bodies, *carried]
+    nominal, lower, upper = _points(bodies, joints)
     free = [joint for joint in joints if joint.mimic is None]
     names = tuple(joint.name for joint in free)
     items = [joint.item for joint in free]
@@ -90,8 +91,17 @@ def build(description: Assembly, parts: Parts) -> Robot:
         modules=parts.nodes,
         mimic=_mimic_joints(joints),
         inertia_about=abouts,
+        loop=description.loop.resolve(names, types),
+        payloads={
+            name: _points([*parts.bodies, *(_figures(body, payload) for body in carried)], joints)
+            for name, payload in description.payloads.items()
+        },
     )
-    refuse_singular(robot, [joint.item.where for joint in joints])
+    places = [joint.item.where for joint in joints]
+    refuse_singular(robot, places)
+    for name, (point, *_) in robot.payloads.items():
+        alone = replace(robot, nominal=point, lower=point, upper=point, payloads={})
+        refuse_singular(alone, places, f"payload {name}")
     remark = _unphysical(robot, parts.place)
     return replace(robot, notes=(*robot.notes, remark)) if remark else robot
 
@@ -114,8 +124,7 @@ def _payload(description: Assembly, parts: Parts) -> list[PlacedBody]:
     else:
         raise payload.where.error(
             "payload.at",
-            f'no {parts.place} named "{payload.at}"; {did_you_mean(payload.at, known)}'
-            f"known: {', '.join(known)}",
+            unknown_name(f'no {parts.place} named "{payload.at}"', payload.at, known),
         )
     if joint < 0:
         raise payload.where.error(
@@ -127,17 +136,13 @@ def _payload(description: Assembly, parts: Parts) -> list[PlacedBody]:
         raise payload.where.error(
             "payload", 'a body is named "payload" already; names differ; rename that one'
         )
-    return [
-        PlacedBody(
-            "payload",
-            joint,
-            frame,
-            payload.mass,
-            payload.com,
-            payload.inertia,
-            payload.inertia_about,
-        )
-    ]
+    figures = (payload.mass, payload.com, payload.inertia, payload.inertia_about)
+    return [PlacedBody("payload", joint, frame, *figures)]
+
+
+def _figures(body: PlacedBody, payload: Payload) -> PlacedBody:
+    """The body with the figures of another payload at the same place."""
+    return replace(body, mass=payload.mass, com=payload.com, inertia=payload.inertia)
 
 
 def _mimic_joints(joints: Sequence[PlacedJoint]) -> MimicJoints:
@@ -158,10 +163,12 @@ def _article(word: str) -> str:
 
 
 def _payload_notes(description: Assembly) -> tuple[str, ...]:
-    payload = description.payload
-    if payload is None or not payload.assumed_point:
-        return ()
-    return ("payload: taken as a point mass, since neither its inertia nor its size is given",)
+    several = ((f"payload {name}", payload) for name, payload in description.payloads.items())
+    return tuple(
+        f"{name}: taken as a point mass, since neither its inertia nor its size is given"
+        for name, payload in (("payload", description.payload), *several)
+        if payload is not None and payload.assumed_point
+    )
 
 
 def _scenario_notes(
@@ -202,6 +209,14 @@ def _unphysical(robot: Robot, place: str) -> str:
         f"{count} {kinds} have figures that no rigid body has, {worst} most ({found}); taken as "
         "written, since the mass matrix is positive definite"
     )
+
+
+def _points(
+    bodies: Sequence[PlacedBody], joints: Sequence[PlacedJoint]
+) -> tuple[Parameters, Parameters, Parameters]:
+    """Nominal, lower and upper figures."""
+    nominal, lower, upper = (_parameters(bodies, joints, end) for end in ("nominal", "lo", "hi"))
+    return nominal, lower, upper
 
 
 def _parameters(

@@ -21,11 +21,13 @@ from modrobust.model.definite import singular_joint
 _SEED = 0
 
 
-def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
+def refuse_singular(robot: Robot, where: Sequence[Where], carrying: str = "") -> None:
     """Raises where M(q) at nominal parameters, drives included, is singular at a seeded pose.
 
     Args:
-        robot: The robot; `where` (j,) says where its joints are written.
+        robot: The robot.
+        where: Where each of its joints is written, mimic joints too, (j,).
+        carrying: Which of several payloads, for the message.
 
     Raises:
         DescriptionError: M is singular, or cannot be computed; the message names the joint.
@@ -51,7 +53,8 @@ def refuse_singular(robot: Robot, where: Sequence[Where]) -> None:
         raise where[robot.free[joint]].error(
             f"joint {robot.joint_names[joint]}",
             f"nothing behind it has inertia {axis} its axis, so the mass matrix is singular "
-            "(nominal parameters, drives included); give it a drive or a body with inertia",
+            f"({' of '.join(filter(None, ('nominal parameters', carrying)))}, drives included); "
+            "give it a drive or a body with inertia",
         )
 
 

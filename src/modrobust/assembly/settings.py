@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 
 from modrobust.formats import Controller, PerJoint, Quantity, Quintic, Sines, Trajectory
 from modrobust.model import ControllerSettings, TrajectorySettings
 
 _K_R = 10.0  # [1/s], Section V of [GA17]
-_SCALARS = ("law", "bound", "kappa_P", "kappa_I", "phi_P", "phi_I", "epsilon")
 
 
 def per_joint(
@@ -21,10 +21,15 @@ def per_joint(
 def controller_settings(
     written: Controller, names: Sequence[str], types: Sequence[str]
 ) -> ControllerSettings:
-    """The settings as written, the defaults of Section V where they are not."""
+    """The settings as written, the defaults of Section V where they are not.
+
+    Lambda of ``sampled`` stands where K_r does: it has the same place in r.
+    """
     gains = per_joint(written.K_r, names, types)
-    K_r = tuple(q.nominal for q in gains) if gains else (_K_R,) * len(names)
-    given = {name: getattr(written, name) for name in _SCALARS}
+    same = (_K_R if written.Lambda is None else written.Lambda,) * len(names)
+    K_r = tuple(q.nominal for q in gains) if gains else same
+    names_of = (item.name for item in fields(ControllerSettings) if item.name != "K_r")
+    given = {name: getattr(written, name) for name in names_of}
     return ControllerSettings(K_r, **{k: v for k, v in given.items() if v is not None})
 
 

@@ -65,8 +65,7 @@ def _headline(settings: Mapping[str, Any]) -> str:
 
 
 def _notes(settings: Mapping[str, Any]) -> list[str]:
-    rate = f"{settings['control_rate'] / 1e3:g} kHz"
-    lines = [f"The command is evaluated at {rate} and held in between."]
+    lines = [*_loop(settings["loop"]), *_law(settings)]
     if settings["scaled_to_physical"]:
         bodies = ", ".join(settings["scaled_to_physical"])
         lines.append(
@@ -75,6 +74,38 @@ def _notes(settings: Mapping[str, Any]) -> list[str]:
     if not settings["parameters_inside_bounds"]:
         lines.append("The true parameters lie outside the bounds: nothing is guaranteed.")
     return lines
+
+
+def _loop(loop: Mapping[str, Any]) -> list[str]:
+    """How often the command is given, how late it acts, and what is measured."""
+    late = f", acts {loop['delay']:g} periods late" if loop["delay"] else ""
+    lines = [
+        f"A command every {1e3 / loop['rate']:.4g} ms ({loop['rate'] / 1e3:g} kHz), held{late}."
+    ]
+    said = []
+    for what in ("noise", "quantisation"):
+        for kind in ("position", "velocity"):
+            size = max(loop[f"{what}_{kind}"], default=0.0)
+            if size:
+                sign = ", worst sign" if what == "noise" and loop["noise"] == "worst" else ""
+                said.append(f"{what} of {kind} up to {size:g}{sign}")
+    if loop["velocity"] == "differentiated":
+        said.append(f"velocity differentiated, filter {loop['filter']:g} Hz")
+    if loop["disturbance"] != "constant":
+        said.append(f"disturbance {loop['disturbance']}")
+    if loop["saturation"]:
+        said.append("torques cut at their limits")
+    return [*lines, *([f"Loop: {'; '.join(said)}."] if said else [])]
+
+
+def _law(settings: Mapping[str, Any]) -> list[str]:
+    if settings["law"] != "sampled":
+        return []
+    return [
+        f"Gains: G {settings['G']:.4g}/s, Lambda {settings['Lambda']:.4g}/s, L_i "
+        f"{settings['L_i']:.4g}/s^2, blend {settings['blend']:g} s. Violations judge the bound at "
+        "the desired motion, not the loop."
+    ]
 
 
 def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Table:
@@ -98,8 +129,12 @@ def _figures(figures: Mapping[str, Any], settings: Mapping[str, Any]) -> Table:
     if noisy is not None:
         worst = None if None in noisy else max(noisy)
         limit = figures["chattering_limit"]
-        verdict = "beyond" if worst is None or worst > limit else "limit"
-        shown["chattering"] = f"{number(worst)} times that at 10 Hz, last 5 s ({verdict} {limit:g})"
+        verdict = (
+            "with noise no limit"
+            if limit is None
+            else f"{'beyond' if worst is None or worst > limit else 'limit'} {limit:g}"
+        )
+        shown["chattering"] = f"{number(worst)} times that at 10 Hz, last 5 s ({verdict})"
     for key, text in shown.items():
         rows.add_row(words(key), text)
     return rows

@@ -30,9 +30,9 @@ def print_verdict(robot: Robot, figures: Mapping[str, Any]) -> None:
         )
     if broken is not None:
         show(f"{FAIL}: the loop diverged at {figures['time']:.6g} s", style="bold red")
-        show(f"Cause: {broken['cause']}", f"What helps: {', or '.join(broken['remedies'])}")
-        show(*(f"Also: {reason}" for reason in reasons if "diverged" not in reason))
-    elif reasons:
+        show(f"Cause: {broken['cause']}", f"What helps: {broken['remedy']}")
+        return
+    if reasons:
         show(*(f"{FAIL}: {reason}" for reason in reasons), style="bold red")
     elif not figures["uncertain"]:
         show(f"{NEITHER}: robust against nothing; {bounds_remedy(robot)}", style="yellow")

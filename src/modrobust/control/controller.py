@@ -16,16 +16,19 @@ Source: [GA17]. The command is computed in C, ``mr_command``.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Unpack
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from modrobust import _kernel
-from modrobust.checks import as_array, as_number
+from modrobust.checks import as_array, as_number, unknown_name
 from modrobust.checks.types import Array
+from modrobust.control.rate import RateNeed, needed_rate
 from modrobust.control.settings import (
     AUTO,
     ControllerOptions,
@@ -33,16 +36,17 @@ from modrobust.control.settings import (
     checked_settings,
     make_kernel_controller,
 )
-from modrobust.design.points import central_parameters, light_parameters
+from modrobust.design import Design, central_parameters, design, light_parameters
 from modrobust.errors import ModrobustError, ValueRangeError
 from modrobust.kernel import own_environment, status_error
 from modrobust.model import ControllerSettings, LoopSettings, Robot, check_robot
 from modrobust.motion import Trajectory, make_trajectory
 
-if TYPE_CHECKING:
-    from modrobust.design.gains import Design
-
 SOLVER_ERROR = 1e-6  # [rad s]: the usual absolute tolerance of ODE solvers
+
+
+class RateWarning(UserWarning):
+    """The loop is slower than the gains need, by an estimate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +94,11 @@ class RobustController:
         loop: The whole loop, instead of the robot's; rate and delay are laid over it.
         motion: What ``auto`` chooses gains for: a `Trajectory`; None = the robot's own, else any
             motion within the limits of positions and velocities.
-        options: Settings by name, see `ControllerSettings`; ``K_r`` may be one number for all
+        **options: Settings by name, see `ControllerSettings`; ``K_r`` may be one number for all
             joints, a mapping by joint name, or ``(n,)``. None = the robot's own.
+
+    Warns:
+        RateWarning: A rate is given that is too slow for the gains, by an estimate.
 
     Raises:
         TypeError: No setting has that name.
@@ -127,23 +134,49 @@ class RobustController:
         else:  # not used
             self._points = robot.nominal, robot.nominal
         self.settings = settings
-        self.kernel = make_kernel_controller(robot, settings, self.loop, *self._points)
+        self.payload: str | None = None
+        self.kernel = self._kernel_of(None)
+        self._motion = motion
+        self._before: _kernel.Controller | None = None  # of the payload used until now
+        self._ticks = 0  # that `step` has done
+        if rate is not None or loop is not None:
+            need = self.rate_need
+            if need is not None and need.warning is not None:
+                warnings.warn(need.warning, RateWarning, stacklevel=3)
 
     def __getstate__(self) -> dict[str, Any]:
         """For copy, deepcopy and pickle: everything, the kernel's state as numbers."""
-        return {**self.__dict__, "kernel": self.kernel.memory()}
+        return {**self.__dict__, "kernel": self.kernel.memory(), "_before": None}
 
     @own_environment()
     def __setstate__(self, state: Mapping[str, Any]) -> None:
         """A copy has a state of its own, which stands where that of the original stood."""
         self.__dict__.update(state)
-        self.kernel = make_kernel_controller(self.robot, self.settings, self.loop, *self._points)
+        self.kernel = self._kernel_of(self.payload)
         self.kernel.recall(*state["kernel"])
+
+    def _kernel_of(self, payload: str | None) -> _kernel.Controller:
+        """The compiled controller that counts on this payload, or on any of them."""
+        robot, points = self.robot, self._points
+        if payload is not None:
+            nominal, lower, upper = robot.payloads[payload]
+            robot = replace(robot, nominal=nominal, lower=lower, upper=upper, payloads={})
+            if self.settings.law == "sampled":  # M_s is what the gains were chosen with
+                points = central_parameters(robot), points[1]
+        return make_kernel_controller(robot, self.settings, self.loop, *points)
 
     @property
     def period(self) -> float:
         """T, for which a command is held [s]."""
         return 1.0 / self.loop.rate
+
+    @cached_property
+    def rate_need(self) -> RateNeed | None:
+        """The rate that this law and its gains need, estimated; None for laws that know the hold.
+
+        Of the motion that the controller was made for, else at rest.
+        """
+        return needed_rate(self.robot, self.settings, self.loop, self._motion)
 
     def command(
         self,
@@ -161,8 +194,11 @@ class RobustController:
 
         Args:
             t: Time [s]; not before that of the previous command, but for its rounding.
-            q, dq: Measured positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
-            q_des, dq_des, ddq_des: Desired motion at ``t``, ``(n,)`` [rad], [rad/s], [rad/s^2].
+            q: Measured positions, ``(n,)`` [rad] or [m].
+            dq: Measured velocities, ``(n,)`` [rad/s] or [m/s].
+            q_des: Desired positions at ``t``, ``(n,)`` [rad] or [m].
+            dq_des: Desired velocities at ``t``, ``(n,)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations at ``t``, ``(n,)`` [rad/s^2] or [m/s^2].
 
         Raises:
             ShapeError: A vector does not have ``n`` entries.
@@ -179,15 +215,47 @@ class RobustController:
             raise ValueRangeError(f"t: {time:g} s; must be finite")
         signals = self._signals((), q=q, dq=dq, q_des=q_des, dq_des=dq_des, ddq_des=ddq_des)
         try:
+            if self._before is not None:
+                self._take_over(time, signals)
             out = self.kernel.command(time, *signals.values())
         except _kernel.KernelError as problem:
             raise self._refusal(problem, signals) from None
+        self._before = None
         tau, nominal, v, phi_lo, phi_hi, rho = out
         kernel = self.kernel
         return Command(
             *(tau, nominal, v, phi_lo, phi_hi, rho),
             *(kernel.rho_norm, kernel.integral_rate, kernel.alpha),
         )
+
+    def step(
+        self,
+        q: ArrayLike,
+        dq: ArrayLike,
+        q_des: ArrayLike,
+        dq_des: ArrayLike,
+        ddq_des: ArrayLike,
+    ) -> Command:
+        """The command of the next tick, `period` after the last: for a loop of one's own.
+
+        The first one is at time 0. Torques of the law ``sampled`` stay within the effort limits.
+
+        Args:
+            q: Measured positions, ``(n,)`` [rad] or [m].
+            dq: Measured velocities, ``(n,)`` [rad/s] or [m/s].
+            q_des: Desired positions now, ``(n,)`` [rad] or [m].
+            dq_des: Desired velocities, ``(n,)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations, ``(n,)`` [rad/s^2] or [m/s^2].
+
+        Raises:
+            ShapeError: A vector does not have ``n`` entries.
+            ValueRangeError: As for `command`.
+
+        Source: (3) to (8) of [GA17], (29), (31) to (34); kernel twin ``mr_command``.
+        """
+        answer = self.command(self._ticks / self.loop.rate, q, dq, q_des, dq_des, ddq_des)
+        self._ticks += 1
+        return answer
 
     def torque(
         self,
@@ -207,9 +275,11 @@ class RobustController:
         integrals.
 
         Args:
-            q, dq: Positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
-            q_des, dq_des, ddq_des: Desired motion at the same instant, ``(n,)`` [rad], [rad/s],
-                [rad/s^2].
+            q: Positions, ``(n,)`` [rad] or [m].
+            dq: Velocities, ``(n,)`` [rad/s] or [m/s].
+            q_des: Desired positions at the same instant, ``(n,)`` [rad] or [m].
+            dq_des: Desired velocities, ``(n,)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations, ``(n,)`` [rad/s^2] or [m/s^2].
             integral: Of f over time [rad s]; not negative. What a solver's
                 error makes of 0, from -1e-6 on, counts as 0.
 
@@ -239,18 +309,62 @@ class RobustController:
         tau, nominal, v, phi_lo, phi_hi, rho = out
         return Command(tau, nominal, v, phi_lo, phi_hi, rho, rho_norm, rate, 1.0)
 
-    def reset(self) -> None:
-        """Forget time and integrals, as if no command had been given yet."""
+    def reset(self, q: ArrayLike | None = None) -> None:
+        """Forget time and integrals, as if no command had been given yet.
+
+        The law ``sampled`` then leads from where the robot stands to the motion, (34).
+
+        Args:
+            q: Where it stands, ``(n,)`` [rad] or [m]; None = as the next command measures it.
+
+        Raises:
+            ShapeError: ``q`` does not have ``n`` entries.
+            ValueRangeError: A number is none or not finite.
+
+        Source: our own, (34).
+        """
         self.kernel.reset()
+        self._before, self._ticks = None, 0
+        if q is not None and self.settings.law == "sampled":
+            place = self._signals((), q=q)["q"]
+            memory = np.zeros(4 * self.robot.n)
+            memory[2 * self.robot.n : 3 * self.robot.n] = place
+            self.kernel.recall(0.0, 0.0, 0.0, -1, 0.0, memory, 0.0, 0.0, 0.0, 1.0)
+
+    @own_environment()
+    def use(self, payload: str | None) -> None:
+        """From the next command on, count on one of the robot's named payloads, or on any of them.
+
+        The guarantee is then that of the payload's own box: w of every point of it lies in [Phi].
+        While a payload is being grasped or laid down, use None: the box around all of them.
+        Integrals go on: the next torque of the law ``sampled`` is the one that the box before
+        would have led to, as far as the new [Phi] allows it. Gains stay.
+
+        Args:
+            payload: A name in the description's ``payloads``, or None for the box around them.
+
+        Raises:
+            ValueRangeError: No payload has that name.
+
+        Source: our own; docs/theory/guarantees.md.
+        """
+        known = self.robot.payloads
+        if payload is not None and payload not in known:
+            found = f'payload: no payload "{payload}" in the description'
+            raise ValueRangeError(unknown_name(found, payload, known))
+        kernel = self._kernel_of(payload)
+        kernel.recall(*self.kernel.memory())
+        self._before = self._before or self.kernel
+        self.kernel, self.payload = kernel, payload
 
     @property
     def kappa(self) -> float:
-        """kappa(t) of (7) at the last command [s/rad]."""
+        """Gain kappa of (7) at the last command [s/rad]."""
         return self.kernel.kappa
 
     @property
     def phi(self) -> float:
-        """phi(t) of (7) at the last command [N m s/rad]."""
+        """Gain phi of (7) at the last command [N m s/rad]."""
         return self.kernel.phi
 
     def time_commands(
@@ -268,8 +382,11 @@ class RobustController:
 
         Args:
             t: Instants, ``(k,)`` [s].
-            q, dq: Positions and velocities, ``(k, n)`` [rad], [rad/s].
-            q_des, dq_des, ddq_des: Desired motion, ``(k, n)`` [rad], [rad/s], [rad/s^2].
+            q: Positions, ``(k, n)`` [rad] or [m].
+            dq: Velocities, ``(k, n)`` [rad/s] or [m/s].
+            q_des: Desired positions, ``(k, n)`` [rad] or [m].
+            dq_des: Desired velocities, ``(k, n)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations, ``(k, n)`` [rad/s^2] or [m/s^2].
 
         Returns:
             Times, ``(k,)`` [s].
@@ -288,6 +405,22 @@ class RobustController:
             return self.kernel.time_commands(instants, *signals.values())
         except _kernel.KernelError as problem:
             raise self._refusal(problem, signals) from None
+
+    def _take_over(self, time: float, signals: Mapping[str, Array]) -> None:
+        """Moves sigma by what the nominal torque jumps where another payload is counted on."""
+        if self.settings.law != "sampled" or self._before is None:
+            return
+        memory = self.kernel.memory()
+        old = self._before.memory()
+        try:
+            jump = self._before.command(time, *signals.values())[1]
+            jump = jump - self.kernel.command(time, *signals.values())[1]
+        finally:
+            self._before.recall(*old)
+            self.kernel.recall(*memory)
+        remembered = np.array(memory[5])
+        remembered[: self.robot.n] += jump
+        self.kernel.recall(*memory[:5], remembered, *memory[6:])
 
     def _refusal(
         self, problem: _kernel.KernelError, signals: Mapping[str, Array]
@@ -312,8 +445,6 @@ def chosen(
     robot: Robot, settings: ControllerSettings, loop: LoopSettings, motion: Trajectory | None
 ) -> Design:
     """The design of the law ``auto``; what the settings say beside the gains stands."""
-    from modrobust.design.gains import design
-
     if motion is None and robot.trajectory is not None:
         motion = make_trajectory(robot, None)
     return design(robot, loop, epsilon=settings.epsilon, motion=motion)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from modrobust.formats.assembly import load_assembly
+from modrobust.formats.controller import Controller
 from modrobust.formats.items import (
     Assembly,
     BodyItem,
     Connector,
-    Controller,
     Csv,
     FrameItem,
     Item,

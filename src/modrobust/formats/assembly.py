@@ -8,14 +8,12 @@ from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 
-from modrobust.formats.bodies import read_inertia, read_masses
+from modrobust.formats.controller import Controller, read_controller
 from modrobust.formats.exact import nearest
 from modrobust.formats.faults import Faults
 from modrobust.formats.fields import check
-from modrobust.formats.inertia import box_body, box_is_physical
 from modrobust.formats.items import (
     Assembly,
-    Controller,
     Csv,
     Module,
     NestedItem,
@@ -24,23 +22,22 @@ from modrobust.formats.items import (
     Sines,
     Trajectory,
 )
+from modrobust.formats.loop import Loop, read_loop
 from modrobust.formats.models import (
     AssemblyModel,
-    ControllerModel,
     NestedModel,
-    PayloadModel,
     QuinticModel,
     SinesModel,
     TrajectoryEntry,
 )
 from modrobust.formats.module import ModuleFields, check_kind, check_stem, nested_item
-from modrobust.formats.nodes import ListNode, Node, ScalarNode, Where, kind_of, shown
+from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, kind_of, shown
 from modrobust.formats.overlay import UrdfSource
+from modrobust.formats.payloads import read_payload, read_payloads
 from modrobust.formats.perjoint import PerJoint
-from modrobust.formats.quantity import Quantity, parse_point, parse_vector
+from modrobust.formats.quantity import Quantity, parse_point
 from modrobust.formats.reader import read_description
 from modrobust.formats.span import points, pose_matrix
-from modrobust.formats.tolerance import Tolerances
 from modrobust.kernel import own_environment
 from modrobust.model.geometry import IDENTITY
 
@@ -93,6 +90,8 @@ def resolved(
     faults = Faults()
     attempt = faults.attempt
     initial = (model.initial.q, model.initial.dq) if model.initial else (None, None)
+    none: tuple[Payload | None, Mapping[str, Payload]] = (None, {})
+    payload, payloads = attempt(lambda: _payloads(model, notes), none)
     assembly = Assembly(
         name=model.robot,
         file=file,
@@ -105,18 +104,18 @@ def resolved(
             lambda: GRAVITY if model.gravity is None else read_gravity(model.gravity), GRAVITY
         ),
         chain=attempt(lambda: _chain(model), ()) if parts is None else parts.items,
-        payload=attempt(
-            lambda: None if model.payload is None else read_payload(model.payload, notes), None
-        ),
+        payload=payload,
+        payloads=payloads,
         disturbance=attempt(
             lambda: _per_joint(model.disturbance, "disturbance", "effort", bounds=True), None
         ),
-        controller=attempt(lambda: _controller(model.controller), Controller()),
+        controller=attempt(lambda: read_controller(model.controller), Controller()),
         trajectory=attempt(lambda: _trajectory(model.trajectory, directory), None),
         initial_q=attempt(lambda: _per_joint(initial[0], "initial.q", "position"), None),
         initial_dq=attempt(lambda: _per_joint(initial[1], "initial.dq", "velocity"), None),
         scenarios={name: dict(scenario.set) for name, scenario in scenarios.items()},
         where=model.where,
+        loop=attempt(lambda: read_loop(model.loop), Loop()),
         urdf=attempt(lambda: _urdf(model, directory), None) if parts is None else None,
         source=model.source or (),
         notes=tuple(notes),
@@ -238,68 +237,25 @@ def _chain(model: AssemblyModel) -> tuple[NestedItem, ...]:
     )
 
 
-def read_payload(model: PayloadModel, notes: list[str]) -> Payload:
-    """The payload; what it says of its bounds is added to `notes`.
-
-    Raises:
-        DescriptionError: Figures that no body has.
-    """
-    tolerances = Tolerances(None)
-    masses = read_masses(model.mass, model.com, "payload.", tolerances)
-    if model.inertia is not None and model.size is not None:
-        raise model.where.error(
-            "payload", "inertia and size; a payload has one of them; remove the other"
+def _payloads(
+    model: AssemblyModel, notes: list[str]
+) -> tuple[Payload | None, Mapping[str, Payload]]:
+    """The payload, and those that it is the box of where several are written."""
+    if model.payloads is None:
+        return None if model.payload is None else read_payload(model.payload, notes), {}
+    node = model.node.entries["payloads"]
+    if model.payload is not None:
+        raise model.node.place("payloads").error(
+            "payloads", "beside payload; a robot has one or several; remove one of the two"
         )
-    inertia = (_ZERO,) * 6
-    physical = True
-    if model.inertia is not None:
-        inertia, physical = read_inertia(model.inertia, masses, "payload.", tolerances)
-    elif model.size is not None:
-        size = parse_vector(model.size, ("length",), "payload.size")
-        for edge in size:
-            if edge.ends()[0].middle <= 0:
-                raise edge.where.error(
-                    edge.field,
-                    f"{float(edge.ends()[0].middle):g} m is not positive; the edge of a box is "
-                    "above 0, its lower bound too; correct it",
-                )
-        entries = box_body(masses.mass, size, model.size.where, "payload.size")
-        xx, xy, xz, yy, yz, zz = (entry.quantity() for entry in entries)
-        inertia = (xx, xy, xz, yy, yz, zz)
-        physical = box_is_physical(inertia)
-    if not physical:
-        notes.append("payload: the bounds of its inertia also hold tensors that no rigid body has")
-    return Payload(
-        at=model.at,
-        mass=masses.bounded_mass,
-        com=masses.bounded_com,
-        inertia=inertia,
-        inertia_about=(model.inertia.about if model.inertia is not None else None) or "com",
-        assumed_point=model.inertia is None and model.size is None,
-        where=model.where,
-    )
+    assert isinstance(node, MapNode)
+    return read_payloads(model.payloads, node, notes)
 
 
 def _per_joint(
-    node: Node | None, field: str, kind: str, *, bounds: bool = False, positive: bool = False
+    node: Node | None, field: str, kind: str, *, bounds: bool = False
 ) -> PerJoint | None:
-    return None if node is None else PerJoint(node, field, kind, bounds, positive)
-
-
-def _controller(model: ControllerModel | None) -> Controller:
-    if model is None:
-        return Controller()
-    gains = {
-        name: _at_least(getattr(model, name), "number", f"controller.{name}", 0.0)
-        for name in ("kappa_P", "kappa_I", "phi_P", "phi_I")
-    }
-    return Controller(
-        law=model.law,
-        bound=model.bound,
-        K_r=_per_joint(model.K_r, "controller.K_r", "rate", positive=True),
-        epsilon=_above_zero(model.epsilon, ("angle", "length"), "controller.epsilon"),
-        **gains,
-    )
+    return None if node is None else PerJoint(node, field, kind, bounds)
 
 
 def _trajectory(model: TrajectoryEntry | None, directory: Path) -> Trajectory | None:

@@ -39,7 +39,7 @@ def given_mapping(value: object, name: str, example: str) -> MapNode:
 
 
 def given_node(value: object, name: str) -> Node:
-    """The node that a number, a text, a list or a mapping says; numbers are in SI units.
+    """The node that a number, a text, true or false, a list or a mapping says; numbers are in SI.
 
     Raises:
         ValueRangeError: Something in it is none of these; `name` and the path in it say where.
@@ -61,7 +61,9 @@ def _node(value: object, name: str, where: Where, depth: int) -> Node:
         return MapNode(entries, where)
     if isinstance(value, np.ndarray):
         value = value.tolist()
-    if isinstance(value, Real) and not isinstance(value, bool | np.bool_):
+    if isinstance(value, bool | np.bool_):
+        return ScalarNode("true" if value else "false", where)
+    if isinstance(value, Real):
         return ScalarNode(repr(float(value)), where)
     if isinstance(value, Sequence) and not isinstance(value, bytes):
         items = (_node(item, f"{name}[{k}]", where, depth + 1) for k, item in enumerate(value))

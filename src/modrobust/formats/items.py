@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 
+from modrobust.formats.controller import Controller
+from modrobust.formats.loop import Loop
 from modrobust.formats.nodes import Node, Where
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.perjoint import PerJoint
@@ -134,20 +136,6 @@ class Payload:
 
 
 @dataclass(frozen=True)
-class Controller:
-    """Controller settings of the file; None = not written, the default holds."""
-
-    law: str | None = None
-    bound: str | None = None
-    K_r: PerJoint | None = None  # [1/s]
-    kappa_P: float | None = None
-    kappa_I: float | None = None
-    phi_P: float | None = None
-    phi_I: float | None = None
-    epsilon: float | None = None  # [rad] or [m]
-
-
-@dataclass(frozen=True)
 class Sines:
     """q_des = amplitude * prod_k sin(omega_k t)."""
 
@@ -197,3 +185,5 @@ class Assembly:
     notes: tuple[str, ...] = ()
     scenario_notes: Mapping[str, str] = field(default_factory=dict)
     urdf: UrdfSource | None = None  # in place of a chain
+    loop: Loop = field(default_factory=Loop)
+    payloads: Mapping[str, Payload] = field(default_factory=dict)  # `payload` is then their box

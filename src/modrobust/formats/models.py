@@ -6,7 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import did_you_mean, unknown_name
+from modrobust.formats.controller import ControllerEntry
 from modrobust.formats.fields import (
     Anything,
     Flag,
@@ -25,6 +26,7 @@ from modrobust.formats.fields import (
     choice,
     refuse,
 )
+from modrobust.formats.loop import LoopModel
 from modrobust.formats.nodes import MapNode, Node, ScalarNode, kind_of
 from modrobust.formats.part_models import (
     DriveModel,
@@ -35,6 +37,7 @@ from modrobust.formats.part_models import (
     LinkOverlay,
     ToleranceModel,
 )
+from modrobust.formats.payloads import PayloadEntry, PayloadModel
 
 ENTRY_KINDS = ("joint", "body", "frame", "module")
 
@@ -225,31 +228,6 @@ Mounted = Annotated[
 ]
 
 
-class PayloadModel(Part):
-    """The body in the end frame of an instance."""
-
-    at: Text | None = Field(None, description="Instance, default the last")
-    mass: Value = Field(description="Mass [kg]")
-    com: Vector = Field(description="Centre of mass [m] in the end frame")
-    inertia: InertiaModel | None = Field(None, description="Inertia tensor [kg m^2]")
-    size: Vector | None = Field(None, description="Edges of a homogeneous box [m]")
-
-
-class ControllerModel(Part):
-    """Settings of the robust controller."""
-
-    law: Annotated[str, choice("norm")] | None = Field(None, description="Control law")
-    bound: Annotated[str, choice("hull", "ianea")] | None = Field(
-        None, description="Bound of the perturbation"
-    )
-    K_r: PerJointValue | None = Field(None, description="[1/s] per joint")
-    kappa_P: Point | None = Field(None, description="Proportional gain of kappa")
-    kappa_I: Point | None = Field(None, description="Integral gain of kappa")
-    phi_P: Point | None = Field(None, description="Proportional gain of phi")
-    phi_I: Point | None = Field(None, description="Integral gain of phi")
-    epsilon: Point | None = Field(None, description="Tracking error to reach [rad] or [m]")
-
-
 class SinesModel(Part):
     """Products of sines, (13) of the paper."""
 
@@ -292,16 +270,17 @@ def _trajectory_kind(node: Any) -> str:
 
 
 def _known_trajectory(node: Node) -> Node:
-    known = ", ".join(TRAJECTORY_KINDS)
     if not isinstance(node, MapNode) or "kind" not in node.entries:
         raise refuse(
             node.where,
-            f'no "kind"; a trajectory is a mapping with kind: one of {known}; add it',
+            'no "kind"; a trajectory is a mapping with kind: one of '
+            f"{', '.join(TRAJECTORY_KINDS)}; add it",
         )
     kind = node.entries["kind"]
     if not isinstance(kind, ScalarNode) or kind.text not in TRAJECTORY_KINDS:
-        hint = did_you_mean(kind.text, TRAJECTORY_KINDS) if isinstance(kind, ScalarNode) else ""
-        raise refuse(kind.where, f"{kind_of(kind)} is no kind of trajectory; {hint}known: {known}")
+        name = kind.text if isinstance(kind, ScalarNode) else ""
+        found = f"{kind_of(kind)} is no kind of trajectory"
+        raise refuse(kind.where, unknown_name(found, name, TRAJECTORY_KINDS))
     return node
 
 
@@ -367,8 +346,12 @@ class AssemblyModel(Part):
         "this file",
     )
     payload: PayloadModel | None = Field(None, description="Payload")
+    payloads: Annotated[dict[str, PayloadEntry], as_dict] | None = Field(
+        None, description="Several payloads by name, in place of one; the bounds hold for each"
+    )
     disturbance: PerJointValue | None = Field(None, description="[N m] or [N] per joint, bounds")
-    controller: ControllerModel | None = Field(None, description="Controller settings")
+    controller: ControllerEntry | None = Field(None, description="Controller settings")
+    loop: LoopModel | None = Field(None, description="The loop as the drive runs it")
     trajectory: TrajectoryEntry | None = Field(None, description="Reference motion")
     initial: InitialModel | None = Field(None, description="State at the start")
     scenarios: Annotated[dict[str, ScenarioModel], as_dict] | None = Field(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.formats.nodes import ListNode, MapNode, Node, shown
 from modrobust.formats.quantity import Quantity, parse_quantity
 
@@ -23,7 +23,7 @@ class PerJoint:
     """A per-joint value as written; `resolve` gives one quantity a joint.
 
     `kind` is "position", "velocity", "effort" or "rate" (1/s, for gains); a value with
-    `positive` must be above 0, one without `bounds` takes none.
+    `positive` must be above 0, one that is a `size` not below, one without `bounds` takes none.
     """
 
     node: Node
@@ -31,6 +31,7 @@ class PerJoint:
     kind: str
     bounds: bool = False
     positive: bool = False
+    size: bool = False
 
     def __post_init__(self) -> None:
         """Refuse at once what fits no kind of joint."""
@@ -84,6 +85,10 @@ class PerJoint:
             raise node.where.error(
                 field, f"{quantity.nominal:g} is not positive; it must be above 0; correct it"
             )
+        if self.size and quantity.nominal < 0:
+            raise node.where.error(
+                field, f"{quantity.nominal:g} is negative; it is at least 0; correct it"
+            )
         return quantity
 
     def _check_names(self, values: dict[str, Node], joint_names: Sequence[str]) -> None:
@@ -91,8 +96,7 @@ class PerJoint:
             if name not in joint_names:
                 raise values[name].where.error(
                     self.field,
-                    f"no joint named {shown(name)}; {did_you_mean(name, joint_names)}"
-                    f"known: {', '.join(joint_names)}",
+                    unknown_name(f"no joint named {shown(name)}", name, joint_names),
                 )
         for name in joint_names:
             if name not in values:

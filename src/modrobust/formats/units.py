@@ -24,7 +24,7 @@ class Unit:
     powers: tuple[int, int, int, int]
 
     def times(self, other: Unit, power: int) -> Unit:
-        """self * other ** power."""
+        """The product ``self * other ** power``."""
         m, kg, s, rad = (a + power * b for a, b in zip(self.powers, other.powers, strict=True))
         return Unit(
             self.scale * other.scale**power,
@@ -70,6 +70,9 @@ UNITS = {
     "rpm": _unit("1/30", s=-1, rad=1, pi_power=1),
     "N": _unit("1", m=1, kg=1, s=-2),
     "Nm": _unit("1", m=2, kg=1, s=-2),
+    "Hz": _unit("1", s=-1),
+    "kHz": _unit("1e3", s=-1),
+    "MHz": _unit("1e6", s=-1),
 }
 
 DIMENSIONS = {
@@ -91,6 +94,8 @@ DIMENSIONS = {
         Dimension("angular viscous friction", "N m s/rad", (2, 1, -1, -1)),
         Dimension("gear ratio per length", "rad/m", (-1, 0, 0, 1)),
         Dimension("rate", "1/s", (0, 0, -1, 0)),
+        Dimension("rate of a rate", "1/s^2", (0, 0, -2, 0)),
+        Dimension("frequency", "Hz", (0, 0, -1, 0)),
     )
 }
 

@@ -19,9 +19,10 @@ from modrobust.kernel import own_environment
 from modrobust.model import ControllerSettings, LoopSettings, Parameters, Robot
 from modrobust.simulation.divergence import Divergence, find_divergence
 from modrobust.simulation.metrics import CHATTERING_LIMIT, chattering, plain, ratio, time_statistics
-from modrobust.simulation.remarks import remarks
+from modrobust.simulation.remarks import is_noisy, remarks
 
 _LOG_FILE = (".npz", "a log")
+_OFTEN = 0.05  # of the ticks, that torque limits may cut a command of a good run
 
 LOGGED = (
     *(
@@ -210,7 +211,7 @@ class SimulationResult:
         if self.divergence is not None:
             reasons.append(
                 f"the loop diverged at {s.time:.6g} s: {self.divergence.cause}; what helps: "
-                + ", or ".join(self.divergence.remedies)
+                f"{self.divergence.remedy}"
             )
         if s.violations:
             reasons.append(f"the bound was violated at {s.violations} of {s.ticks} ticks")
@@ -228,7 +229,22 @@ class SimulationResult:
                     f'joint "{self.robot.joint_names[j]}" needed {s.tau_max[j]:.4g} {unit}, '
                     f"beyond its limit of {limit:.4g} {unit}"
                 )
+        if s.limited > _OFTEN * s.ticks:
+            reasons.append(f"{self._limits_named}: more than {_OFTEN:.0%} of the time")
         return reasons
+
+    @property
+    def _limits_named(self) -> str:
+        """At how many ticks torque limits cut the command, and which joints they are of."""
+        s = self.statistics
+        assert s is not None
+        named = [
+            f'"{name}" at {int(count)}'
+            for name, count in zip(self.robot.joint_names, s.ticks_at_limit, strict=True)
+            if count
+        ]
+        which = f" (joint {', '.join(named)})" if named else ""
+        return f"torque limits cut the command at {s.limited} of {s.ticks} ticks{which}"
 
     @cached_property
     @own_environment()
@@ -246,15 +262,24 @@ class SimulationResult:
     @property
     @own_environment()
     def remarks(self) -> list[str]:
-        """What the verdict does not judge, one sentence each: of the motion, torques that chatter,
-        and positions and velocities beyond their limits, which the controller does not know. Of
-        the logged ticks. None of a run that diverged: what it did then follows from that.
+        """What the verdict does not judge, one sentence each; empty of a run that diverged.
+
+        Of the motion, torques that chatter, and positions and velocities beyond their limits, which
+        the controller does not know; of the logged ticks. What a run that diverged did follows
+        from that.
         """
         if self.diverged:
             return []
         duration = self.settings["duration"]
-        of_run = remarks(self.robot, duration, self.t, self.q, self.dq, self.chattering)
-        return [*self.settings.get("motion_remarks", ()), *of_run]
+        settings = self.robot, self.controller, self.loop, duration
+        logged = self.t, self.q, self.dq, self.tau
+        of_run = remarks(*settings, *logged, self.chattering)
+        said = list(self.settings.get("motion_remarks", ()))
+        if self.statistics is not None and self.statistics.limited > 0:
+            said.append(f"{self._limits_named}: nothing is guaranteed while they do")
+        if self.settings.get("rate_warning"):
+            said.append(self.settings["rate_warning"])
+        return [*said, *of_run]
 
     @property
     def ok(self) -> bool:
@@ -291,7 +316,9 @@ class SimulationResult:
             "width_ianea": width_ianea,
             "ianea_over_hull": ratio(width_ianea, width_hull),
             "chattering": self.chattering,
-            "chattering_limit": CHATTERING_LIMIT,
+            "chattering_limit": None if is_noisy(self.loop) else CHATTERING_LIMIT,
+            "limited": 0 if s is None else s.limited,
+            "ticks_at_limit": None if s is None else s.ticks_at_limit,
             "command_time": time_statistics(self.command_seconds),
             "ticks": 0 if s is None else s.ticks,
             "time": 0.0 if s is None else min(s.time, self.settings["duration"]),

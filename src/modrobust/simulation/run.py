@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +25,7 @@ from numpy.typing import ArrayLike
 from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_number, did_you_mean
 from modrobust.checks.types import Array
-from modrobust.control import ControllerOptions, RobustController, settings_dict
+from modrobust.control import ControllerOptions, RateWarning, RobustController, settings_dict
 from modrobust.control.settings import kernel_loop, loop_dict
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
@@ -162,12 +163,13 @@ def simulate(
             many as the robot needs, and an implicit method where friction is too stiff for that.
         plant: What moves as the true robot: ``"builtin"``, or another engine, ``"mujoco"`` or
             ``"pinocchio"``, whose loop runs in Python; see `modrobust.simulation.plants`.
-        q0, dq0: State at the start, ``(n,)`` [rad], [rad/s]. When None: the description's
-            ``initial`` where its own trajectory is used, else on the trajectory.
+        q0: Positions at the start, ``(n,)`` [rad] or [m]. When None: the description's ``initial``
+            where its own trajectory is used, else on the trajectory.
+        dq0: Velocities at the start, ``(n,)`` [rad/s] or [m/s]; when None as ``q0``.
         initial_error: q_des - q at the start, ``(n,)``, or its norm, spread by the seed; instead of
             q0 [rad] or [m].
         disturbance: Constant true disturbance ``(n,)`` [N m] or [N]; overrides the drawn one.
-        options: Settings of the controller by name, as of `RobustController`.
+        **options: Settings of the controller by name, as of `RobustController`.
         progress: Called before the run and between chunks with simulated and total time [s].
 
     Returns:
@@ -183,10 +185,12 @@ def simulate(
     scenario = None if scenario is None else str(scenario)
     seed = as_integer("seed", seed, 0)
     motion = make_trajectory(robot, trajectory)
-    controller = RobustController(
-        robot, rate=rate, delay=delay, loop=loop, motion=motion, **options
-    )
-    settled = controller.loop
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RateWarning)  # a remark of the run says it
+        controller = RobustController(
+            robot, rate=rate, delay=delay, loop=loop, motion=motion, **options
+        )
+    settled, need = controller.loop, controller.rate_need
     truth = true_robot(robot, parameters, scenario, seed, disturbance)
     if duration is not None:
         duration = as_number("duration", duration, "s")
@@ -227,6 +231,9 @@ def simulate(
         "motion_remarks": motion_remarks(robot, motion, duration),
         "duration": duration,
         "loop": loop_dict(settled),
+        "rate_needed": None if need is None else need.rate,
+        "rate_warning": None if need is None else need.warning,
+        "design": None if controller.design is None else controller.design.to_dict(),
         "substeps": steps.count,
         "integrator": steps.method,
         "plant": plant,

@@ -27,7 +27,7 @@ from modrobust.assembly.urdf.mimic import within_mimic_limits
 from modrobust.assembly.urdf.reader import Description, Inertial, Items, read_items, read_structure
 from modrobust.assembly.urdf.tree import MOVING, Selection, select
 from modrobust.assembly.urdf.unmodelled import remark
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.errors import DescriptionError
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.tolerance import Tolerances
@@ -146,8 +146,7 @@ def _check_overlays(description: Description, source: UrdfSource) -> None:
             if name not in known:
                 raise overlay.where.error(
                     f"{kind}s.{name}",
-                    f'no {kind} named "{name[:80]}"; {did_you_mean(name, known)}'
-                    f"known: {', '.join(known)}",
+                    unknown_name(f'no {kind} named "{name[:80]}"', name, known),
                 )
 
 
@@ -163,7 +162,9 @@ def _joints(
     for motion in chosen.motions:
         joint = motion.joint
         with faults.of_joint(joint.name):
-            item = read_urdf_joint(joint, source.joints.get(joint.name), tolerances, remarks)
+            overlay = source.joints.get(joint.name)
+            option = source.drive if motion.mimic is None else {}  # the drive of its leader
+            item = read_urdf_joint(joint, overlay, tolerances, remarks, option)
             before, after = motion.before.rounded(), motion.after.rounded()
             placed.append(PlacedJoint(joint.name, item, motion.parent, before, after, motion.mimic))
     notes += remarks.sentences()

@@ -51,7 +51,8 @@ MODULE_CASES = [
         "mass: 2 kgm",
         (
             'arm.yaml:18: body link, mass: "2 kgm": unknown unit "kgm"; did you mean "kg"? '
-            "known: m, mm, cm, kg, g, s, ms, min, rad, deg, rpm, N, Nm and their products"
+            "known: m, mm, cm, kg, g, s, ms, min, rad, deg, rpm, N, Nm, Hz, kHz, MHz and their "
+            "products"
         ),
     ),
     (

@@ -10,8 +10,8 @@ ASSEMBLY_CASES = [
         (
             'r.yaml:8: unknown key "paylod"; did you mean "payload"? known: modrobust, '
             "robot, source, notes, modules, base, gravity, chain, urdf, base_link, tip_link, lock, "
-            "links, joints, tolerance, xacro, packages, payload, disturbance, controller, "
-            "trajectory, initial, "
+            "links, joints, tolerance, xacro, packages, payload, payloads, disturbance, "
+            "controller, loop, trajectory, initial, "
             "scenarios"
         ),
     ),
@@ -177,7 +177,10 @@ ASSEMBLY_CASES = [
         "a law that is none",
         "law: norm",
         "law: form",
-        ('r.yaml:10: controller.law: "form" is not allowed here; did you mean "norm"? known: norm'),
+        (
+            'r.yaml:10: controller.law: "form" is not allowed here; did you mean "norm"? known: '
+            "norm, componentwise, sampled, auto"
+        ),
     ),
     (
         "an epsilon of zero",
