@@ -40,20 +40,23 @@ def uncertain_robot(share: float = 0.05) -> mr.Robot:
     return replace(robot, lower=moved(-1.0), upper=moved(1.0))
 
 
-def states(count: int) -> list[tuple[Any, ...]]:
+State = tuple[Any, Any, Any, Any]
+
+
+def states(count: int) -> list[State]:
     """(q, dq, dq_a, ddq_a) evenly spaced along the desired motion of 10 s, without error."""
     trajectory = make_trajectory(paper_robot())
     q, dq, ddq = trajectory.sample(10.0 * (np.arange(count) + 0.5) / count)
     return [(q[k], dq[k], dq[k], ddq[k]) for k in range(count)]
 
 
-def rho_norm(robot: mr.Robot, state: tuple[Any, ...]) -> float:
+def rho_norm(robot: mr.Robot, state: State) -> float:
     """Norm of rho, (8), by the hull."""
     lo, hi = mr.perturbation_bounds(robot, *state)
     return float(np.linalg.norm(np.maximum(np.abs(lo), np.abs(hi))))
 
 
-def found_norm(robot: mr.Robot, state: tuple[Any, ...], seed: int = 0) -> float:
+def found_norm(robot: mr.Robot, state: State, seed: int = 0) -> float:
     """Largest norm of w that ascent over the vertices of the box finds from random ones.
 
     w is linear in each mass and tensor entry, so that its norm is convex there and largest at an

@@ -6,7 +6,7 @@ have a unit, a tolerance or bounds.
 
 import modrobust as mr
 
-chain = [
+chain: list[str | dict[str, object]] = [
     {"joint": "shoulder", "type": "revolute", "limits": {"torque": 60}},
     {
         "body": "upper-arm",

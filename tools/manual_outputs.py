@@ -9,7 +9,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from support.pages import DOCS, ROOT, outputs, page_steps, rewritten
+from support.pages import DOCS, outputs, page_steps, rewritten
+from support.paths import ROOT
 
 
 def main(names: list[str]) -> None:

@@ -203,7 +203,7 @@ class Controller:
     def rho_norm(self) -> float: ...
     @property
     def integral_rate(self) -> float:
-        """f of the error at the last command."""
+        """Rate of the integrals at the last command: f of the error norm."""
     @property
     def kappa(self) -> float: ...
     @property

@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_real, as_truth
 from modrobust.checks.types import Array
-from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.errors import ValueRangeError
 from modrobust.kernel import bound_code, status_error
-from modrobust.model import Parameters, Robot, check_robot
+from modrobust.model import Parameters, Robot, check_parameters, check_robot, owner_of
 
 MAX_THREADS = 4096  # no machine of today has more processors
 
@@ -147,7 +147,7 @@ def inverse_dynamics_bounds_batch(
     Source: (17) to (19); kernel twin ``mr_inverse_dynamics_bounds_batch``.
     """
     check_robot(robot)
-    owner = f'robot "{robot.name}" has {robot.n} joints'
+    owner = owner_of(robot)
     rows = as_real("Q", Q, "k rows of numbers").shape[:1] or (0,)
     names = {"Q": Q, "dQ": dQ, "dQ_a": dQ_a, "ddQ_a": ddQ_a}
     given = {name: as_array(name, value, (*rows, robot.n), owner) for name, value in names.items()}
@@ -298,7 +298,7 @@ def forward_kinematics(robot: Robot, q: ArrayLike) -> Array:
 
 def _vectors(robot: Robot, **named: ArrayLike) -> dict[str, Array]:
     check_robot(robot)
-    owner = f'robot "{robot.name}" has {robot.n} joints'
+    owner = owner_of(robot)
     return {name: as_array(name, value, (robot.n,), owner) for name, value in named.items()}
 
 
@@ -310,12 +310,7 @@ def _packed(robot: Robot, parameters: Parameters | None) -> tuple[Array]:
             f"parameters: expected Parameters or None, got {type(parameters).__name__}; such as "
             "robot.sample_parameters(0)"
         )
-    shapes = (parameters.mass.shape, parameters.viscous.shape)
-    if shapes != ((robot.b,), (robot.j,)):
-        raise ShapeError(
-            f"parameters: made for {shapes[0][0]} bodies and {shapes[1][0]} joints;"
-            f' robot "{robot.name}" has {robot.b} and {robot.j}'
-        )
+    check_parameters(robot, parameters)
     return (parameters.packed,)
 
 

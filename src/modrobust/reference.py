@@ -1,10 +1,11 @@
 """Algorithm 1 of Giusti and Althoff (2017), line by line in NumPy: the readable oracle.
 
 `newton_euler` is NE* when the parameters are real and IANEA* when they are `Interval`s; the
-paper writes the two as one algorithm and so does this file. Numbers in the right margin are the
-paper's line numbers. Where the product is more general than the paper, the extra term vanishes in
-the paper's case: a constant transform B_i before the joint (the paper: identity), several bodies a
-link with placements (the paper: one body, identity), a parent index (the paper: i - 1).
+paper writes the two as one algorithm and so does this file. In the right margin stand the paper's
+lines: A1:23 is line 23 of Algorithm 1. Where the product is more general than the paper, the extra
+term vanishes in the paper's case: a constant transform B_i before the joint (the paper: identity),
+several bodies a link with placements (the paper: one body, identity), a parent index (the paper:
+i - 1).
 The arithmetic takes any number type: q may be complex (for exact derivatives) or long double.
 """
 
@@ -105,9 +106,9 @@ def joint_transforms(robot: Robot, q: Any) -> list[tuple[Any, Any, Any, Any, Any
         rotated = robot.joint_types[i] != "prismatic"
         slide = 0 * q[i] if rotated else q[i]
         joint = turn_z(q[i] if rotated else 0 * q[i])
-        R = before[:3, :3] @ joint @ after[:3, :3]  # 6: (10)
-        z = after[:3, :3].T @ Z0  # 8
-        p = after[:3, :3].T @ (after[:3, 3] + slide * Z0)  # 9: (11)
+        R = before[:3, :3] @ joint @ after[:3, :3]  # A1:6: (10)
+        z = after[:3, :3].T @ Z0  # A1:8
+        p = after[:3, :3].T @ (after[:3, 3] + slide * Z0)  # A1:9: (11)
         out.append((R, p, z, before[:3, :3] @ Z0, before[:3, 3]))
     return out
 
@@ -125,40 +126,40 @@ def newton_euler(
     """NE* or IANEA* of Algorithm 1: [u], shape (n,) [N m] or [N].
 
     `delta` carries the fields of `Parameters`, real or `Interval`. `gyroscopic_in_omega` writes
-    omega x (I omega_a) in line 30: a wrong factorisation, to see the skew-symmetry test fail.
+    omega x (I omega_a) in A1:30: a wrong factorisation, to see the skew-symmetry test fail.
     """
-    n = robot.n  # 1
-    omega, omega_a, domega, a = ([np.zeros(3)] * (n + 1) for _ in range(4))  # 2; [-1] = base
-    a[-1] = -(robot.base[:3, :3].T @ robot.gravity)  # 3
-    joints = joint_transforms(robot, q)  # 4 to 10
-    for i in range(n):  # 11
+    n = robot.n  # A1:1
+    omega, omega_a, domega, a = ([np.zeros(3)] * (n + 1) for _ in range(4))  # A1:2; [-1] = base
+    a[-1] = -(robot.base[:3, :3].T @ robot.gravity)  # A1:3
+    joints = joint_transforms(robot, q)  # A1:4 to A1:10
+    for i in range(n):  # A1:11
         h = robot.parents[i]
         R, p, z, s, p_before = joints[i]
-        R = R.T  # 7
+        R = R.T  # A1:7
         a_h = a[h] + cross(domega[h], p_before) + cross(omega[h], cross(omega_a[h], p_before))
-        if robot.joint_types[i] != "prismatic":  # 12
-            omega[i] = R @ (omega[h] + dq[i] * s)  # 13
-            omega_a[i] = R @ (omega_a[h] + dq_a[i] * s)  # 14
-            domega[i] = R @ (domega[h] + ddq[i] * s + cross(omega_a[h], dq[i] * s))  # 15
-            a[i] = R @ a_h + cross(domega[i], p) + cross(omega[i], cross(omega_a[i], p))  # 16
-        else:  # 17
-            omega[i] = R @ omega[h]  # 18
-            omega_a[i] = R @ omega_a[h]  # 19
-            domega[i] = R @ domega[h]  # 20
-            a[i] = R @ a_h + cross(domega[i], p) + cross(omega[i], cross(omega_a[i], p))  # 21
+        if robot.joint_types[i] != "prismatic":  # A1:12
+            omega[i] = R @ (omega[h] + dq[i] * s)  # A1:13
+            omega_a[i] = R @ (omega_a[h] + dq_a[i] * s)  # A1:14
+            domega[i] = R @ (domega[h] + ddq[i] * s + cross(omega_a[h], dq[i] * s))  # A1:15
+            a[i] = R @ a_h + cross(domega[i], p) + cross(omega[i], cross(omega_a[i], p))  # A1:16
+        else:  # A1:17
+            omega[i] = R @ omega[h]  # A1:18
+            omega_a[i] = R @ omega_a[h]  # A1:19
+            domega[i] = R @ domega[h]  # A1:20
+            a[i] = R @ a_h + cross(domega[i], p) + cross(omega[i], cross(omega_a[i], p))  # A1:21
             a[i] = a[i] + cross(omega_a[i], dq[i] * z) + cross(omega[i], dq_a[i] * z) + ddq[i] * z
-    f: list[Any] = [np.zeros(3)] * (n + 1)  # 25; what the children hand down, summed
+    f: list[Any] = [np.zeros(3)] * (n + 1)  # A1:25; what the children hand down, summed
     torque: list[Any] = [np.zeros(3)] * (n + 1)
     u: list[Any] = [0.0] * n
-    for i in reversed(range(n)):  # 26
+    for i in reversed(range(n)):  # A1:26
         R, p, z, _, p_before = joints[i]
         for b in np.flatnonzero(robot.body_joints == i):
             R_b, p_b = robot.placement[b, :3, :3], robot.placement[b, :3, 3]
             w, w_a, dw = R_b.T @ omega[i], R_b.T @ omega_a[i], R_b.T @ domega[i]
             a_b = a[i] + cross(domega[i], p_b) + cross(omega[i], cross(omega_a[i], p_b))
-            m, c, inertia = delta.mass[b], delta.com[b], delta.inertia[b]  # 5
-            a_c = R_b.T @ a_b + cross(dw, c) + cross(w, cross(w_a, c))  # 23
-            F = m * a_c  # 27
+            m, c, inertia = delta.mass[b], delta.com[b], delta.inertia[b]  # A1:5
+            a_c = R_b.T @ a_b + cross(dw, c) + cross(w, cross(w_a, c))  # A1:23
+            F = m * a_c  # A1:27
             if gyroscopic_in_omega:
                 spin = cross(w, times(inertia, w_a))
             else:
@@ -167,12 +168,12 @@ def newton_euler(
                 own = moment_about_frame(m, c, R_b.T @ a_b, cross(w, w_a))
             else:
                 own = cross(c, F)
-            moment = own + times(inertia, dw) + spin  # 29 and 30, in body axes
+            moment = own + times(inertia, dw) + spin  # A1:29 and A1:30, in body axes
             F = times(R_b, F)
-            f[i] = f[i] + F  # 28
+            f[i] = f[i] + F  # A1:28
             torque[i] = torque[i] + times(R_b, moment) + cross(p_b, F)
-        torque[i] = torque[i] + cross(p, f[i])  # 30
-        u[i] = dot(torque[i] if robot.joint_types[i] != "prismatic" else f[i], z)  # 31 to 35
+        torque[i] = torque[i] + cross(p, f[i])  # A1:30
+        u[i] = dot(torque[i] if robot.joint_types[i] != "prismatic" else f[i], z)  # A1:31 to A1:35
         handed = times(R, f[i])
         h = robot.parents[i]
         f[h] = f[h] + handed
@@ -183,7 +184,7 @@ def newton_euler(
 
 
 def moment_about_frame(m: Any, c: Any, a: Any, bent: Any) -> Any:
-    """m (c x a + |c|^2 bent): in place of c x F where the tensor is about the body's frame.
+    """``m (c x a + |c|^2 bent)``: in place of c x F where the tensor is about the body's frame.
 
     Of an interval: c = middle + d, linear in d but for |d|^2, which lies in [0, |radius|^2].
     """
@@ -201,7 +202,7 @@ def moment_about_frame(m: Any, c: Any, a: Any, bent: Any) -> Any:
 
 
 def drive_torque(robot: Robot, delta: Any, i: int, dq: Any, ddq: Any) -> Any:
-    """Friction and reflected rotor inertia of joint i, added in lines 31 and 33."""
+    """Friction and reflected rotor inertia of joint i, added in A1:31 and A1:33."""
     v_c = robot.coulomb_speed[i]
     s = dq / np.sqrt(dq * dq + v_c * v_c)
     if isinstance(delta.coulomb, Interval):  # the hull of s(dq) and sgn(dq)

@@ -161,7 +161,10 @@ def test_messages_name_the_argument(changed: dict[str, Any], message: str) -> No
 
 
 def test_a_body_that_no_rigid_body_is_is_refused() -> None:
-    chain = [{"joint": "pivot", "type": "revolute"}, {"body": "bob", "mass": 1, "com": [0, 0, 0]}]
-    chain[1]["inertia"] = {"xx": 1, "yy": 0.1, "zz": 0.1}  # type: ignore[assignment]
+    bob = {"mass": 1, "com": [0, 0, 0], "inertia": {"xx": 1, "yy": 0.1, "zz": 0.1}}
+    chain: list[dict[str, object]] = [
+        {"joint": "pivot", "type": "revolute"},
+        {"body": "bob", **bob},
+    ]
     with pytest.raises(mr.DescriptionError, match="triangle inequality"):
-        mr.build_robot("r", chain)  # type: ignore[arg-type]
+        mr.build_robot("r", chain)

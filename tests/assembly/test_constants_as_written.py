@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 import modrobust as mr
+from assembly.exact_frames import BITS, chain_frames, largest_excess, read, urdf_frames
 from modrobust.assembly.modules.catalogue import builtin_robots, data_directory
 from modrobust.assembly.urdf.files import find_file
 from modrobust.errors import DescriptionError
 from modrobust.formats.nodes import Where
 from modrobust.formats.overlay import UrdfSource
-from support.exact_frames import BITS, chain_frames, largest_excess, read, urdf_frames
 from support.ready_robots import load_builtin
 from support.urdf_texts import INERTIA, LIMIT, joint, link, robot, written
 
@@ -72,8 +72,8 @@ class Texts:
         return text
 
     def chain(self, entries: int, names: str) -> list[str]:
-        lines = []
-        kinds = CONSTANT  # behind a joint, and perhaps at the start
+        lines: list[str] = []
+        kinds: Sequence[str] = CONSTANT  # behind a joint, and perhaps at the start
         for k in range(entries):
             kind = self.rng.choice(("joint", "body", "frame", "frame"))
             if kind == "joint":

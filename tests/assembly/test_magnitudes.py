@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,7 +31,7 @@ ARM = robot(
 STARTS = ("joint ", "body ", "masses ", "reach:")
 
 
-def said(folder: Path, text: str, **options: str) -> list[str]:
+def said(folder: Path, text: str, **options: Any) -> list[str]:
     found = report(mr.load_robot(written(folder, text), **options), poses=200).notes
     return [note for note in found if note.startswith(STARTS)]
 

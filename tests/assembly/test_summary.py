@@ -116,6 +116,7 @@ def test_a_prismatic_joint_without_limits_is_searched_in_a_stated_stroke():
 
 def test_the_report_carries_the_table_and_what_is_not_modelled():
     found = report(arm(), poses=10)
+    assert found.dh is not None
     assert [row.a for row in found.dh.rows] == [0.5, 0.5]
     assert found.not_modelled == ("a.axis.drive",)
     assert found.poses == 10

@@ -85,7 +85,8 @@ def test_mount_turns_the_root_and_stands_before_the_way(tmp_path: Path) -> None:
     path = written(tmp_path, arm())
     back = mr.load_robot(path, base="base", mount="0 -1.5707963267948966 0")
     np.testing.assert_array_equal(back.base[:3, :3], np.eye(3))
-    for mount in ("0.1, 0.2 rad, 0.3", (0.1, 0.2, 0.3), "[0.1 0.2 0.3]", ["0.1", 0.2, "0.3 rad"]):
+    listed: list[str | float] = ["0.1", 0.2, "0.3 rad"]
+    for mount in ("0.1, 0.2 rad, 0.3", (0.1, 0.2, 0.3), "[0.1 0.2 0.3]", listed):
         turned = mr.load_robot(path, base="base", mount=mount)
         overlay = (
             "modrobust: 1\nrobot: over\nurdf: small.urdf\nbase_link: base\n"

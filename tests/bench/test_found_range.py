@@ -15,6 +15,7 @@ from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.model import Bounded, Robot, synthetic_chain
 from support.exact_range import exact_range
 from support.random_robots import random_robot, random_state, tied
+from support.states import State
 from support.tightness_population import boxed
 
 
@@ -23,12 +24,12 @@ def wide(n: int, seed: int, **shape: Any) -> Robot:
     return boxed(random_robot(rng, n, width="exact", **shape), 0.3, rng, share=0.7)
 
 
-def states(n: int, count: int, seed: int = 0) -> list[Any]:
+def states(n: int, count: int, seed: int = 0) -> State:
     """Moving ones: about standstill true Coulomb friction may do what the smooth one does not."""
     rng = np.random.default_rng(seed)
     rows = [random_state(rng, n, 3.0) for _ in range(count)]
     q, dq, dq_a, ddq_a = (np.array(column) for column in zip(*rows, strict=True))
-    return [q, np.copysign(np.abs(dq) + 1.0, dq), dq_a, ddq_a]
+    return q, np.copysign(np.abs(dq) + 1.0, dq), dq_a, ddq_a
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,4 @@
-"""Comparisons with other libraries: the same robot for both sides, and what is said when one is
-missing.
+"""Comparisons with other libraries: one robot for both sides; what is said when one is missing.
 
 Pinocchio's headers take minutes to compile; that test runs where MODROBUST_TEST_PEERS is set.
 """
@@ -9,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -128,7 +128,7 @@ def test_ratios_are_those_of_least_and_of_median_times() -> None:
 
 def test_rounds_run_every_subject_in_turn_and_the_first_only_warms_up() -> None:
     order: list[str] = []
-    found = interleaved({k: lambda k=k: order.append(k) for k in "ab"}, calls=1, rounds=2)
+    found = interleaved({k: partial(order.append, k) for k in "ab"}, calls=1, rounds=2)
     assert order == list("ababab")
     assert [len(item.rounds) for item in found] == [2, 2]
 

@@ -14,6 +14,7 @@ from modrobust.bench.found_range import found_range
 from modrobust.checks import as_integer, as_number
 from modrobust.errors import ValueRangeError
 from support.random_robots import random_robot
+from support.states import state_of
 
 
 @pytest.mark.parametrize(
@@ -77,8 +78,8 @@ def test_drives_are_true_or_false(drives: object) -> None:
     for call in (
         lambda: mr.inverse_dynamics(robot, rest, rest, rest, rest, **given),
         lambda: mr.inverse_dynamics_bounds(robot, rest, rest, rest, rest, **given),
-        lambda: mr.inverse_dynamics_bounds_batch(robot, *[rest[None]] * 4, **given),
-        lambda: found_range(robot, *[rest[None]] * 4, **given),
+        lambda: mr.inverse_dynamics_bounds_batch(robot, *state_of([rest[None]] * 4), **given),
+        lambda: found_range(robot, *state_of([rest[None]] * 4), **given),
         lambda: mr.mass_matrix(robot, rest, **given),
         lambda: mr.forward_dynamics(robot, rest, rest, rest, **given),
     ):
@@ -91,7 +92,7 @@ def test_drives_are_true_or_false(drives: object) -> None:
 def test_absurd_counts_are_refused() -> None:
     robot = random_robot(np.random.default_rng(0), 2)
     with pytest.raises(ValueRangeError, match=r"^threads: 10+; must be at most 4096$"):
-        mr.inverse_dynamics_bounds_batch(robot, *[np.zeros((1, 2))] * 4, threads=10**25)
+        mr.inverse_dynamics_bounds_batch(robot, *state_of(np.zeros((4, 1, 2))), threads=10**25)
     with pytest.raises(
         ValueRangeError, match=r"^duration: 1e\+308 s at 50000 Hz are more than 1e\+10 commands"
     ):

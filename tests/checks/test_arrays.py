@@ -13,6 +13,7 @@ from modrobust.checks import as_indices
 from modrobust.errors import InputError, ValueRangeError
 from modrobust.model import Bounded
 from support.random_robots import random_robot
+from support.states import state_of
 
 ROBOT = replace(random_robot(np.random.default_rng(1), types="rrp"), name="arm3")
 ZERO = np.zeros(3)
@@ -36,7 +37,7 @@ ZERO = np.zeros(3)
         ([0.0, None, 0.0], "q: holds None; expected 3 numbers"),
         ([0.0, {}, 0.0], "q: holds {}; expected 3 numbers"),
         (
-            np.ma.masked_array([0.0, 0.0, 0.0], [0, 1, 0]),
+            np.ma.masked_array([0.0, 0.0, 0.0], [False, True, False]),
             "q: is a masked array; expected 3 numbers; fill it",
         ),
     ],
@@ -53,7 +54,7 @@ def test_the_message_names_the_argument(position: int) -> None:
     state[position] = np.zeros(2)
     name = ("q", "dq", "dq_a", "ddq_a")[position]
     with pytest.raises(InputError, match=rf"^{name}: expected shape \(3,\), got \(2,\)"):
-        mr.perturbation_bounds(ROBOT, *state)
+        mr.perturbation_bounds(ROBOT, *state_of(state))
 
 
 def test_an_unknown_method_is_refused_with_those_known() -> None:
@@ -75,7 +76,12 @@ def test_parameters_of_another_robot_are_refused() -> None:
 def test_lists_integers_and_strided_views_give_the_same_torque() -> None:
     q = np.array([1.0, 9.0, -2.0, 9.0, 3.0, 9.0])
     expected = mr.inverse_dynamics(ROBOT, [1.0, -2.0, 3.0], ZERO, ZERO, ZERO)
-    for same in (q[::2], (1, -2, 3), np.array([1, -2, 3], np.int64), np.float32([1, -2, 3])):
+    for same in (
+        q[::2],
+        (1, -2, 3),
+        np.array([1, -2, 3], np.int64),
+        np.array([1, -2, 3], np.float32),
+    ):
         tau = mr.inverse_dynamics(ROBOT, same, ZERO, ZERO, ZERO)
         np.testing.assert_array_equal(tau, expected)
 

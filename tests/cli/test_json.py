@@ -12,11 +12,11 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import modrobust as mr
+from cli.json_schemas import SCHEMAS, keys
 from modrobust.bench.benchmark import benchmark
 from modrobust.bench.peers import PeerReport
 from modrobust.bench.peers.timing import Comparison, Timing
 from modrobust.cli.output import words
-from support.json_schemas import SCHEMAS, keys
 from support.paths import ROOT
 from support.urdf_texts import LIMIT, joint, link, robot, written
 
@@ -84,8 +84,10 @@ def test_a_run_that_was_interrupted_before_anything_has_the_same_keys() -> None:
     result = mr.simulate(mr.load_robot("lwa4p-paper"), duration=1.0, progress=stop)
     assert result.interrupted
     check("simulate", result.summary())
-    nothing = vars(result) | {"statistics": None, "t": np.zeros(0)}
-    empty = {k: np.zeros((0, 6)) if np.ndim(v) == 2 else v for k, v in nothing.items()}
+    nothing: dict[str, Any] = vars(result) | {"statistics": None, "t": np.zeros(0)}
+    empty: dict[str, Any] = {
+        k: np.zeros((0, 6)) if np.ndim(v) == 2 else v for k, v in nothing.items()
+    }
     fields = type(result).__dataclass_fields__
     check("simulate", type(result)(**{k: v for k, v in empty.items() if k in fields}).summary())
 

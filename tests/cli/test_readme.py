@@ -14,7 +14,8 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from support.command_line import environment, run_in
-from support.pages import PYTHON, ROOT, blocks, difference, page_steps
+from support.pages import PYTHON, blocks, difference, page_steps
+from support.paths import ROOT
 
 README = ROOT / "README.md"
 TEXT = README.read_text(encoding="utf-8")

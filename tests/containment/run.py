@@ -1,4 +1,6 @@
-"""Containment by the million, resumable: python tests/containment/run.py --cases 10000000
+"""Containment by the million, resumable.
+
+    python tests/containment/run.py --cases 10000000
 
 Every finished block is appended to the state file; started again with the same file it goes on
 where it was, after Ctrl-C too. --seed N repeats one robot of a violation. Exit code 1: violations.

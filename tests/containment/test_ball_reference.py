@@ -21,6 +21,7 @@ from support.containment.written_robots import (
     random_written,
 )
 from support.random_robots import random_robot, random_state, tied
+from support.rounding import as_long
 
 
 @pytest.fixture(autouse=True)
@@ -34,7 +35,8 @@ def torque(robot: Robot, point: Parameters, state: Any) -> tuple[Any, Any]:
     """Exact torques at one point with smooth friction, and without drives, as doubles."""
     rows = coefficients(from_doubles(robot), State(*([arb(x) for x in v.tolist()] for v in state)))
     found = exact_torques(robot, rows, [point.packed], [rows.smooth_sign])
-    return tuple(np.array([float(x) for x in found[name][0]]) for name in ("smooth", "bodies"))
+    smooth, bodies = (np.array([float(x) for x in found[name][0]]) for name in ("smooth", "bodies"))
+    return smooth, bodies
 
 
 @pytest.mark.parametrize("tree", [False, True])
@@ -44,7 +46,7 @@ def test_balls_agree_with_the_transcription_of_the_paper(seed: int, tree: bool) 
     robot = random_robot(rng, n=7, tree=tree)
     state = random_state(rng, 7)
     point = robot.corner_parameters(rng)
-    long = [np.asarray(x, dtype=np.longdouble) for x in state]
+    long = as_long(state)
     for drives, got in zip((True, False), torque(robot, point, state), strict=True):
         expected = newton_euler(robot, point, *long, drives=drives)
         # the rotations of a robot are orthonormal up to their rounding only
@@ -71,8 +73,8 @@ def test_mimic_joints_are_a_tree_of_free_joints_that_move_alike(anywhere: bool) 
 def test_right_angles_are_exact() -> None:
     quarter = Fraction(1, 2)  # half turns
     T = nearest_matrix(exact_pose([("rz", quarter), ("x", Fraction(1, 4)), ("rx", -quarter)]))
-    expected = [[0, 0, -1, 0], [1, 0, 0, 0.25], [0, -1, 0, 0], [0, 0, 0, 1]]
-    assert T.tolist() == [[float(x) for x in row] for row in expected]
+    expected = np.array([[0, 0, -1, 0], [1, 0, 0, 0.25], [0, -1, 0, 0], [0, 0, 0, 1]])
+    assert T.tolist() == expected.tolist()
 
 
 def test_the_nearest_double_is_the_nearest() -> None:

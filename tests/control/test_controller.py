@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import threading
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -69,10 +70,10 @@ def test_the_command_equals_the_formulas(robot: Robot, bound: str) -> None:
         rho = np.maximum(np.abs(command.phi_lo), np.abs(command.phi_hi))  # (8)
         v = (3.0 * np.linalg.norm(rho) + 0.7) * r  # (7)
         u0 = mr.inverse_dynamics(robot, q, dq, dq_a, ddq_a)
-        close = {"rtol": 1e-13, "atol": 1e-13}
-        np.testing.assert_allclose(command.nominal, u0, **close)
+        close = partial(np.testing.assert_allclose, rtol=1e-13, atol=1e-13)
+        close(command.nominal, u0)
         np.testing.assert_array_equal(command.rho, rho)
-        np.testing.assert_allclose(command.v, v, **close)
+        close(command.v, v)
         np.testing.assert_array_equal(command.tau, command.nominal + command.v)  # (3)
         assert command.rho_norm == pytest.approx(np.linalg.norm(rho), rel=1e-14)
         assert isinstance(command.rho_norm, float)

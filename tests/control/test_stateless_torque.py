@@ -20,7 +20,7 @@ def robot() -> Robot:
     return synthetic_chain(N, uncertainty=0.1)
 
 
-def inputs(seed: int) -> tuple[Any, ...]:
+def inputs(seed: int) -> tuple[Any, Any, Any, Any, Any]:
     rng = np.random.default_rng(seed)
     q, dq, dq_des, ddq_des = rng.uniform(-1, 1, (4, N))
     return q, dq, q + rng.uniform(-0.1, 0.1, N), dq_des, ddq_des

@@ -7,7 +7,8 @@ import re
 import pytest
 
 import modrobust as mr
-from support.pages import DOCS, ROOT, outputs
+from support.pages import DOCS, outputs
+from support.paths import ROOT
 
 PACKAGE = ROOT / "src" / "modrobust"
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 
-from support.pages import DOCS, ROOT, outputs, page_steps
+from support.pages import DOCS, outputs, page_steps
+from support.paths import ROOT
 
 PAGE = DOCS / "measured" / "paper.md"
 

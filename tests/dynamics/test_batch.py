@@ -18,6 +18,7 @@ from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.model import Robot
 from support.paths import ROOT
 from support.random_robots import random_robot, tied
+from support.states import State, state_of
 
 BOUNDS = ["hull", "ianea"]
 COUNTS = [0, 1, 7, 8, 9, 1000]
@@ -33,18 +34,18 @@ SHAPES: list[dict[str, Any]] = [
 ]
 
 
-def states(rng: np.random.Generator, k: int, n: int) -> list[Any]:
+def states(rng: np.random.Generator, k: int, n: int) -> State:
     """Q, dQ, dQ_a, ddQ_a (k, n): at rest, slow and fast, angles of many turns, zeros."""
     Q = rng.uniform(-1.0, 1.0, (k, n)) * rng.choice([0.0, np.pi, 1e5], (k, 1))
     rates = rng.normal(size=(3, k, n)) * rng.choice([0.0, 1e-5, 1.0, 30.0], (1, k, 1))
     rates[rng.random(rates.shape) < 0.1] = 0.0
-    return [Q, *rates]
+    return Q, rates[0], rates[1], rates[2]
 
 
-def one_by_one(robot: Robot, rows: list[Any], bound: str, drives: bool) -> Any:
+def one_by_one(robot: Robot, rows: State, bound: str, drives: bool) -> Any:
     """(2, k, n) by the single call."""
     found = [
-        mr.inverse_dynamics_bounds(robot, *row, bound=bound, drives=drives)
+        mr.inverse_dynamics_bounds(robot, *state_of(row), bound=bound, drives=drives)
         for row in zip(*rows, strict=True)
     ]
     return np.array(found).reshape(-1, 2, robot.n).swapaxes(0, 1)
@@ -59,9 +60,10 @@ def test_a_batch_has_the_bits_of_the_single_call(shape: dict[str, Any], bound: s
         rows = states(rng, 1000, robot.n)
         expected = one_by_one(robot, rows, bound, drives)
         for k in COUNTS:
+            part = state_of(a[:k] for a in rows)
             for threads in (1, 2, 5):
                 bounds = mr.inverse_dynamics_bounds_batch(
-                    robot, *(a[:k] for a in rows), bound=bound, drives=drives, threads=threads
+                    robot, *part, bound=bound, drives=drives, threads=threads
                 )
                 assert [side.shape for side in bounds] == [(k, robot.n)] * 2
                 assert np.array(bounds).tobytes() == expected[:, :k].tobytes()
@@ -74,7 +76,7 @@ def test_a_batch_has_the_bits_of_the_single_call_where_mimic_joints_move(bound: 
     for shape, anywhere in zip(shapes, (False, False, True), strict=True):
         robot = tied(random_robot(rng, **shape), 3, rng, anywhere)  # type: ignore[arg-type]
         rows = states(rng, 100, robot.n)
-        rows[0] *= 0.1  # a mimic joint turns up to twice as far
+        rows[0][:] *= 0.1  # a mimic joint turns up to twice as far
         bounds = mr.inverse_dynamics_bounds_batch(robot, *rows, bound=bound, threads=2)
         np.testing.assert_array_equal(bounds, one_by_one(robot, rows, bound, True))
 
@@ -83,20 +85,20 @@ def test_a_batch_takes_integers_lists_and_arrays_of_any_layout() -> None:
     rng = np.random.default_rng(3)
     robot = random_robot(rng, 4)
     rows = states(rng, 30, 4)
-    strange = [
+    strange = (
         np.asfortranarray(rows[0]),
         np.repeat(rows[1], 2, axis=0)[::2],
         rows[2][::-1][::-1].tolist(),
         np.hstack([rows[3], rows[3]])[:, :4],
-    ]
+    )
     expected = mr.inverse_dynamics_bounds_batch(robot, *rows)
     np.testing.assert_array_equal(mr.inverse_dynamics_bounds_batch(robot, *strange), expected)
-    whole = [np.round(3 * a / (1 + np.abs(a))).astype(int) for a in rows]
+    whole = state_of(np.round(3 * a / (1 + np.abs(a))).astype(int) for a in rows)
     np.testing.assert_array_equal(
         mr.inverse_dynamics_bounds_batch(robot, *whole),
         one_by_one(robot, whole, "hull", True),
     )
-    narrow = [a.astype(np.float32) for a in whole]
+    narrow = state_of(a.astype(np.float32) for a in whole)
     np.testing.assert_array_equal(
         mr.inverse_dynamics_bounds_batch(robot, *narrow),
         mr.inverse_dynamics_bounds_batch(robot, *whole, threads=None),
@@ -130,7 +132,7 @@ def test_a_wrong_shape_names_the_argument(given: dict[str, Any], text: str) -> N
 @pytest.mark.parametrize("threads", [1, 3])
 def test_an_input_that_is_refused_is_named_with_its_row(row: int, threads: int) -> None:
     def message(at: int, value: float, **more: Any) -> str:
-        rows = [ZEROS.copy() for _ in range(4)]
+        rows = state_of(ZEROS.copy() for _ in range(4))
         rows[at][row, 1] = value
         for index, other in more.get("also", ()):
             rows[at][index, 0] = other
@@ -188,7 +190,7 @@ def test_other_threads_run_while_a_batch_is_computed() -> None:
 
 def test_as_many_threads_as_asked_for_are_used() -> None:
     robot = random_robot(np.random.default_rng(5), 12)
-    rows = [np.random.default_rng(k).normal(size=(30_000, 12)) for k in range(4)]
+    rows = state_of(np.random.default_rng(k).normal(size=(30_000, 12)) for k in range(4))
     tasks = Path("/proc/self/task")
     if not tasks.is_dir():
         pytest.skip("threads are counted in /proc")

@@ -124,7 +124,7 @@ def test_a_robot_without_mass_has_no_acceleration() -> None:
 @pytest.mark.parametrize("k", range(3))
 def test_a_number_that_is_not_finite_is_refused(k: int) -> None:
     robot = random_robot(np.random.default_rng(6), 3)
-    arguments = [np.zeros(3), np.zeros(3), np.zeros(3)]
+    arguments = (np.zeros(3), np.zeros(3), np.zeros(3))
     arguments[k][2] = np.nan
     with pytest.raises(ValueRangeError):
         mr.forward_dynamics(robot, *arguments)

@@ -372,7 +372,7 @@ def test_a_branch_does_not_load_its_sibling() -> None:
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_a_number_that_is_not_finite_is_refused(k: int, bad: float) -> None:
     robot = random_robot(np.random.default_rng(17), 3)
-    state = list(random_state(np.random.default_rng(18), 3))
+    state = random_state(np.random.default_rng(18), 3)
     state[k][1] = bad
     with pytest.raises(ValueRangeError):
         mr.inverse_dynamics(robot, *state)

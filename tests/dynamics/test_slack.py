@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,7 +33,11 @@ def swivel(lever: float) -> Robot:
 @pytest.mark.parametrize("unknown", ["nothing", "mass", "com", "inertia"])
 def test_slack_is_what_26_says(unknown: str, lever: float, ddq_a: float) -> None:
     """Else a term of (26) could shrink many times unseen: real errors are a few per cent of it."""
-    spread = {"mass": 0.4, "com": np.array([0.2, 0, 0]), "inertia": 0.1 * np.eye(3)}
+    spread: dict[str, Any] = {
+        "mass": 0.4,
+        "com": np.array([0.2, 0, 0]),
+        "inertia": 0.1 * np.eye(3),
+    }
     dm = 0.4 * (unknown == "mass")
     r = 0.2 * (unknown == "com")
     dI = 0.1 * np.sqrt(3) * (unknown == "inertia")
@@ -57,7 +62,11 @@ def test_slack_is_what_26_says(unknown: str, lever: float, ddq_a: float) -> None
 @pytest.mark.parametrize("unknown", ["nothing", "mass", "com", "inertia"])
 def test_slack_of_a_tensor_about_the_frame(unknown: str) -> None:
     """The tensor's size is |J| + 3/2 m c^2, because it is moved to the COM in doubles."""
-    spread = {"mass": 0.4, "com": np.array([0.2, 0, 0]), "inertia": 0.1 * np.eye(3)}
+    spread: dict[str, Any] = {
+        "mass": 0.4,
+        "com": np.array([0.2, 0, 0]),
+        "inertia": 0.1 * np.eye(3),
+    }
     dm = 0.4 * (unknown == "mass")
     r = 0.2 * (unknown == "com")
     dJ = 0.1 * np.sqrt(3) * (unknown == "inertia")

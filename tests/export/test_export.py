@@ -12,14 +12,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import modrobust as mr
+from export.engine_twins import MjcfTwin, UrdfTwin
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.export.mjcf import mjcf_text
 from modrobust.export.urdf import urdf_text
 from modrobust.model import Bounded, Parameters, Robot
 from modrobust.model.orientation import quaternion, roll_pitch_yaw
-from support.engine_twins import MjcfTwin, UrdfTwin
 from support.random_robots import random_robot, random_state, steiner, tied
 from support.ready_robots import available
+from support.states import state_of
 
 TOLERANCE = 1e-12  # of the largest entry
 
@@ -331,7 +332,7 @@ def test_our_own_importer_reads_the_urdf_back(robot: Robot, tmp_path: Path) -> N
         return out
 
     ours = mr.inverse_dynamics(robot, q, dq, dq, ddq, point, drives=False)
-    read = mr.inverse_dynamics(back, *map(there, (q, dq, dq, ddq)), drives=False)
+    read = mr.inverse_dynamics(back, *state_of(map(there, (q, dq, dq, ddq))), drives=False)
     assert_close(ours, read[order])
     M = mr.mass_matrix(back, there(q), drives=False)[np.ix_(order, order)]
     assert_close(mr.mass_matrix(robot, q, point, drives=False), M)

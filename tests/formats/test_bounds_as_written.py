@@ -7,6 +7,7 @@ from fractions import Fraction
 import pytest
 
 from modrobust.formats import load_assembly, load_module
+from modrobust.formats.items import BodyItem
 
 UNITS = {
     "kg": Fraction(1),
@@ -81,6 +82,7 @@ def test_a_body_has_the_box_that_is_written(tmp_path, seed):
     )
     # fmt: on
     (body,) = load_module(tmp_path / "m.yaml").items
+    assert isinstance(body, BodyItem)
     assert_says(body.mass, *bounded(mass, mass[0] * Fraction(3, 100)))
     for found, (_, *com) in zip(body.com, coms, strict=True):
         assert_says(found, *bounded(com, Fraction(7, 10000)))
@@ -105,6 +107,7 @@ def test_a_box_of_uncertain_edges_has_the_tensors_of_its_ends(tmp_path, seed):
         f"  mass: {mass_text}\n  com: [0, 0, 0]\n  size: [{', '.join(s[0] for s in sizes)}]\n"
     )
     payload = load_assembly(tmp_path / "r.yaml").payload
+    assert payload is not None
     ends = [[mass[0], mass[1] or mass[0], mass[2] or mass[0]]]
     ends += [[nominal, lo or nominal, hi or nominal] for _, nominal, lo, hi in sizes]
     for k, found in enumerate(payload.inertia[i] for i in (0, 3, 5)):

@@ -2,11 +2,11 @@
 
 import pytest
 
+from formats.assembly_messages import ASSEMBLY_CASES
+from formats.module_messages import MODULE_CASES
 from modrobust.errors import DescriptionError, SeveralFaultsError
 from modrobust.formats import load_assembly, load_module
-from support.formats.assembly_messages import ASSEMBLY_CASES
 from support.formats.format_samples import ASSEMBLY, MODULE
-from support.formats.module_messages import MODULE_CASES
 
 
 @pytest.fixture(autouse=True)

@@ -1,6 +1,7 @@
 """Every YAML example of docs/reference/formats.md is read as the page says."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ ROBOT = "modrobust: 1\nrobot: part\nchain: [elbow-60, {module: elbow-60, as: wri
 @pytest.mark.parametrize("example", EXAMPLES, ids=range(len(EXAMPLES)))
 def test_each_example_loads(tmp_path, example):
     named = re.search(r"^(module|robot): (\S+)$", example, re.MULTILINE)
+    load: Callable[[Path], object]
     if example.startswith("- "):  # chain entries
         text, stem, load = f"{HEAD}chain:\n{example}", "part", load_module
     elif not example.startswith("modrobust: 1"):  # keys of an assembly
@@ -53,4 +55,5 @@ def test_the_first_example_has_a_drive(tmp_path):
     (tmp_path / "elbow-60.yaml").write_text(EXAMPLES[0], encoding="utf-8")
     joint = load_module(tmp_path / "elbow-60.yaml").items[0]
     assert isinstance(joint, JointItem)
+    assert joint.rotor_inertia is not None
     assert joint.rotor_inertia.hi >= 6e-5

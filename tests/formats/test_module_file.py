@@ -194,7 +194,7 @@ def test_a_thin_plate_on_the_boundary_of_the_triangle_inequality_is_a_body(load)
 def test_the_largest_principal_moment_is_never_understated(numbers):
     a = [[Fraction(x, 10**6) for x in numbers[i : i + 3]] for i in (0, 3, 6)]
     gram = [
-        [sum(x * y for x, y in zip(p, q, strict=True)) + (i == j) for j, q in enumerate(a)]
+        [sum((x * y for x, y in zip(p, q, strict=True)), Fraction(i == j)) for j, q in enumerate(a)]
         for i, p in enumerate(a)
     ]
     tensor = [gram[i][j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))]

@@ -31,7 +31,7 @@ def build(folder: Path) -> Path:
 
     path, target = compiler("clang"), folder / "kernel_fuzz"
     (folder / "empty.c").write_text("int LLVMFuzzerTestOneInput(void) { return 0; }\n")
-    probe = [path, FLAGS[2], folder / "empty.c", "-o", folder / "empty"]
+    probe = [path, FLAGS[2], str(folder / "empty.c"), "-o", str(folder / "empty")]
     if subprocess.run(probe, capture_output=True, check=False).returncode != 0:
         pytest.skip("clang has no libFuzzer; install its runtime, such as libclang-rt-14-dev")
     sources = [HERE / "kernel_fuzz.c", *sorted(FOLDER.glob("*.c"))]
@@ -41,12 +41,12 @@ def build(folder: Path) -> Path:
 
 
 def main(folder: Path, options: list[str]) -> int:
-    from support.fuzz.kernel_seeds import write_seeds
+    from fuzz.kernel_seeds import write_seeds
 
     folder.mkdir(parents=True, exist_ok=True)
     write_seeds(folder / "seeds")
     (folder / "grown").mkdir(exist_ok=True)
-    command = [build(folder).absolute(), *OPTIONS, *options, "grown", "seeds"]
+    command = [str(build(folder).absolute()), *OPTIONS, *options, "grown", "seeds"]
     return subprocess.run(command, cwd=folder, check=False).returncode
 
 

@@ -29,13 +29,13 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import modrobust as mr
+from fuzz.reader_mutations import mutated
+from fuzz.reader_seeds import write_seeds
 from modrobust.assembly.modules.catalogue import data_directory
 from modrobust.dynamics import inverse_dynamics_bounds
 from modrobust.formats import load_module, parse_quantity
 from modrobust.motion import read_trajectory_csv
 from modrobust.timor import import_timor
-from support.fuzz.reader_mutations import mutated
-from support.fuzz.reader_seeds import write_seeds
 
 SOURCES = str(Path(mr.__file__).parent)
 DIMENSIONS = ("mass", "length", "angle", "inertia", "torque")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from fuzz import kernel_target
-from support.fuzz.kernel_seeds import write_seeds
+from fuzz.kernel_seeds import write_seeds
 
 SECONDS = 8
 

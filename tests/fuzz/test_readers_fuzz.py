@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from fuzz import readers_fuzz
-from support.fuzz.reader_seeds import TIMOR
+from fuzz.reader_seeds import TIMOR
 
 HERE = Path(__file__).parent
 SECONDS = 60

@@ -180,11 +180,8 @@ def count_all() -> dict[str, float]:
         for name, (of, bound, rate) in CASES.items():
             (folder / "command_data.h").write_text(data(of(paper), bound, rate))
             program = folder / "count"
-            include = ["-I", folder, "-I", KERNEL]
-            source = HERE / "command_count.c"
-            subprocess.run(
-                ["gcc", *FLAGS, *include, source, *objects, "-lm", "-o", program], check=True
-            )
+            include: list[str | Path] = ["-I", folder, "-I", KERNEL, HERE / "command_count.c"]
+            subprocess.run(["gcc", *FLAGS, *include, *objects, "-lm", "-o", program], check=True)
             few, many = (executed(program, rounds) for rounds in ROUNDS)
             counts[name] = (many - few) / (ROUNDS[1] - ROUNDS[0]) / STATES
     return counts

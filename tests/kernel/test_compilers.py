@@ -13,6 +13,7 @@ from modrobust import _kernel
 from modrobust.model import Robot
 from support.kernel.kernel_cases import State, by_extension, by_native, differences, robots, states
 from support.kernel.native import BOUNDS, Memory, Native, build, sincos
+from support.states import doubles, state_of
 
 CASES = 120
 BUILDS = [
@@ -70,10 +71,10 @@ def test_a_row_of_the_batch_has_the_bits_of_the_single_call() -> None:
     for robot in robots(7, 40):
         box = robot.model, robot.nominal.packed, robot.lower.packed, robot.upper.packed
         count, threads = int(rng.integers(1, 40)), int(rng.integers(1, 4))
-        rows = [rng.normal(size=(count, robot.n)) * 3.0 for _ in range(4)]
+        rows = state_of(rng.normal(size=(4, count, robot.n)) * 3.0)
         for code in BOUNDS.values():
             many = _kernel.inverse_dynamics_bounds_batch(*box, *rows, code, True, threads)
             for k in range(count):
-                state = (np.ascontiguousarray(x[k]) for x in rows)
+                state = doubles(x[k] for x in rows)
                 single = _kernel.inverse_dynamics_bounds(*box, *state, code, True)
                 assert many[:, k].tobytes() == single.tobytes(), (robot.name, code, count, k)

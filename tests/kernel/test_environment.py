@@ -104,7 +104,7 @@ print(hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest())
 
 
 def test_the_first_use_may_be_in_any_environment(folder: Path) -> None:
-    command = [sys.executable, "-c", FIRST_USE, folder / "fenv.so"]
+    command = [sys.executable, "-c", FIRST_USE, str(folder / "fenv.so")]
     found = {
         kind: subprocess.run([*command, kind], check=True, stdout=subprocess.PIPE).stdout
         for kind in ("normal", *KINDS)

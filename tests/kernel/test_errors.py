@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,7 @@ def with_entry(index: int, value: float) -> Any:
     [
         mr.inverse_dynamics,
         mr.inverse_dynamics_bounds,
-        lambda *state: mr.inverse_dynamics_bounds(*state, bound="ianea"),
+        partial(mr.inverse_dynamics_bounds, bound="ianea"),
         mr.perturbation_bounds,
     ],
 )

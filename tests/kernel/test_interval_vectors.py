@@ -34,8 +34,8 @@ ANGLE_ULPS = 1  # more than the error of sine and cosine, see test_sincos.py
 def operations(tmp_path_factory: pytest.TempPathFactory) -> Operate:
     """Calls an operation of intervals.c by name."""
     path = tmp_path_factory.mktemp("intervals") / "intervals.so"
-    source = HERE / "intervals.c"
-    command = [compiler("gcc"), *FLAGS, "-fPIC", "-shared", "-I", FOLDER, source, "-o", path]
+    command: list[str | Path] = [compiler("gcc"), *FLAGS, "-fPIC", "-shared", "-I", FOLDER]
+    command += [HERE / "intervals.c", "-o", path]
     subprocess.run(command, check=True)
     library = ctypes.CDLL(str(path))
 
@@ -45,6 +45,10 @@ def operations(tmp_path_factory: pytest.TempPathFactory) -> Operate:
         return out[0], out[1]
 
     return operate
+
+
+def fractions_of(ends: Interval) -> tuple[Fraction, Fraction]:
+    return Fraction(ends[0]), Fraction(ends[1])
 
 
 def exact(name: str, *operands: Interval) -> tuple[Fraction, Fraction]:
@@ -126,7 +130,7 @@ def test_the_operations_agree_with_the_vectors(operations: Operate) -> None:
         for name, given in ways(op, operands):
             found = compute(operations, name, given)
             ulps = WIDER[name] * unit(name, given, expected)
-            assert_encloses(found, tuple(map(Fraction, expected)), ulps, (name, given))
+            assert_encloses(found, fractions_of(expected), ulps, (name, given))
             met[name] = met.get(name, 0) + 1
     assert met == {"add": 10, "sub": 18, "mul": 40, "scale": 10, "fma": 32}
 
@@ -140,7 +144,7 @@ def test_sine_and_cosine_agree_with_the_vectors() -> None:
         value = _kernel.sincos(lo)[op == "cos"]
         error = ANGLE_ULPS * math.ulp(value)
         found = value - error, value + error
-        exact = tuple(map(Fraction, expected))
+        exact = fractions_of(expected)
         assert_encloses(found, exact, 2 * ANGLE_ULPS * math.ulp(value), (op, lo))
         met += 1
     assert met == 21
@@ -169,8 +173,8 @@ def test_the_operations_enclose_exact_fractions(name: str, operations: Operate) 
 def boxes(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     """Operations on middles and radii, boxes.c."""
     path = tmp_path_factory.mktemp("boxes") / "boxes.so"
-    source = HERE / "boxes.c"
-    command = [compiler("gcc"), *FLAGS, "-fPIC", "-shared", "-I", FOLDER, source, "-o", path]
+    command: list[str | Path] = [compiler("gcc"), *FLAGS, "-fPIC", "-shared", "-I", FOLDER]
+    command += [HERE / "boxes.c", "-o", path]
     subprocess.run(command, check=True)
     return ctypes.CDLL(str(path))
 

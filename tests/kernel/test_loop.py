@@ -25,6 +25,12 @@ def reference_motion(n: int) -> tuple[Any, Any, Any]:
     return np.sin(rate * t), rate * np.cos(rate * t), -(rate**2) * np.sin(rate * t)
 
 
+def cut(motion: tuple[Any, Any, Any], start: int, end: int) -> tuple[Any, Any, Any]:
+    """A part of the motion, as the kernel takes it."""
+    q, dq, ddq = (np.ascontiguousarray(x[start:end]) for x in motion)
+    return q, dq, ddq
+
+
 def plant(robot: Robot, point: Any, q: Any, dq: Any, tau: Any) -> Any:
     zero = np.zeros(robot.n)
     bias = newton_euler(robot, point, q, dq, dq, zero, drives=True)
@@ -84,10 +90,7 @@ def test_the_loop_in_c_equals_the_loop_written_out(types: str) -> None:
     loop = _kernel.Loop(controller.kernel, point.packed, d, q, dq, DT, SUBSTEPS)
     chunks = [0, 15, TICKS]  # the chunks must not show
     motion = reference_motion(n)
-    logs = [
-        loop.advance(*(np.ascontiguousarray(x[a:b]) for x in motion), 1)
-        for a, b in itertools.pairwise(chunks)
-    ]
+    logs = [loop.advance(*cut(motion, a, b), 1) for a, b in itertools.pairwise(chunks)]
     expected = written_out(robot, point, d, q, dq, K_r)
     for name in ("q", "dq", "tau", "w", "phi_lo", "phi_hi"):
         ours = np.concatenate([log[name] for log in logs])
@@ -118,7 +121,7 @@ def test_every_tick_with_the_perturbation_outside_its_set_is_counted(side: int) 
     q = np.zeros(2)
     loop = _kernel.Loop(controller.kernel, robot.nominal.packed, d, q, q, DT, SUBSTEPS)
     motion = reference_motion(2)
-    log = loop.advance(*(np.ascontiguousarray(x[:20]) for x in motion), 1)
+    log = loop.advance(*cut(motion, 0, 20), 1)
     outside = np.maximum(log["phi_lo"] - log["w"], log["w"] - log["phi_hi"]).max(axis=1)
     assert loop.violations == np.count_nonzero(outside > 0) > 0
     assert loop.violation_max == pytest.approx(outside.max())

@@ -30,7 +30,7 @@ LICENCES = (  # what compilers may be told that the proof does not allow
 
 def compiles(*flags: str, name: str = "gcc") -> subprocess.CompletedProcess[str]:
     """Tries all of the kernel without writing anything."""
-    command = [compiler(name), *FLAGS, *flags, "-fsyntax-only", *SOURCES]
+    command: list[str | Path] = [compiler(name), *FLAGS, *flags, "-fsyntax-only", *SOURCES]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
@@ -90,8 +90,9 @@ def test_the_self_test_answers_the_same_in_every_rounding_mode(
 ) -> None:
     """Else a compiler that moves an operation past the restored mode would refuse a good build."""
     library = self_test_alone(name, [optimisation], tmp_path)
-    source = Path(__file__).with_name("environment.c")
-    command = [compiler(name), "-shared", "-fPIC", source, "-lm", "-o", tmp_path / "fenv.so"]
+    source = str(Path(__file__).with_name("environment.c"))
+    fenv_path = str(tmp_path / "fenv.so")
+    command = [compiler(name), "-shared", "-fPIC", source, "-lm", "-o", fenv_path]
     subprocess.run(command, check=True)
     fenv = ctypes.CDLL(str(tmp_path / "fenv.so"))
     fenv.environment.restype = ctypes.c_uint64

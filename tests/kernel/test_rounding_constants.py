@@ -125,8 +125,8 @@ def test_the_page_states_the_same_rates() -> None:
         assert f"({derived()[joint]}D + {derived()[once]} + b + 2j)" in PAGE
     body = derived()["MOTION_ONCE"] + stated()["BOX_BODY"]
     assert f"$e = u({derived()['MOTION_JOINT']}D + {body:.0f})$" in PAGE
-    joint, once, sums = (stated()[f"RADIUS_{name}"] for name in ("JOINT", "ONCE", "SUM"))
-    assert f"$u({joint:.0f}D + {once:.0f} + {sums:.0f}(b + j))$" in PAGE
+    radius = {name: stated()[f"RADIUS_{name}"] for name in ("JOINT", "ONCE", "SUM")}
+    assert "$u({JOINT:.0f}D + {ONCE:.0f} + {SUM:.0f}(b + j))$".format(**radius) in PAGE
     turn, moment, axis = (derived()[f"BOX_{name}"] for name in ("ROTATION", "MOMENT", "AXIS"))
     for part in (f"$19u + {turn}u$", f"$15u + {moment}u$", f"$u + {axis}u$"):
         assert part in PAGE

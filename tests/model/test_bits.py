@@ -22,6 +22,7 @@ import modrobust as mr
 from modrobust.motion.trajectory import paper_trajectory
 from modrobust.timor import import_timor
 from support.paths import ROOT
+from support.states import state_of
 from support.timor_databases import base, bent_link, database, powerball
 from support.urdf_texts import two_links, written
 
@@ -70,14 +71,15 @@ def packed(folder: Path) -> dict[str, bytes]:
     (folder / "over.yaml").write_text(
         f"modrobust: 1\nrobot: over\nurdf: {urdf.name}\n{overlay}tolerance: {{inertia: 10%}}\n"
     )
-    for robot in map(mr.load_robot, [*NAMES, urdf, folder / "over.yaml"]):
+    places: list[str | Path] = [*NAMES, urdf, folder / "over.yaml"]
+    for robot in (mr.load_robot(place) for place in places):
         name, b = robot.name, hashlib.sha256()
         points = [robot.nominal, robot.lower, robot.upper, robot.sample_parameters(1)]
         points += [robot.physical_corner(which, 1)[0] for which in ("lower", "upper", "corner")]
         b.update(repr(robot.to_dict()).encode())
         found[f"{name}, file"] = b.digest()
         found[f"{name}, points"] = b"".join(point.packed.tobytes() for point in points)
-        state = np.random.default_rng(2).uniform(-1.0, 1.0, (4, robot.n))
+        state = state_of(np.random.default_rng(2).uniform(-1.0, 1.0, (4, robot.n)))
         bounds = (mr.inverse_dynamics_bounds(robot, *state, bound=m) for m in ("hull", "ianea"))
         found[f"{name}, bounds"] = b"".join(end.tobytes() for pair in bounds for end in pair)
     sines = paper_trajectory(mr.load_robot("lwa4p-paper"))
@@ -112,7 +114,7 @@ def environments() -> dict[str, dict[str, str]]:
 
 def test_every_code_path_of_the_libraries_gives_the_same_bits(tmp_path: Path) -> None:
     program = "import sys; from model import test_bits; test_bits.main(sys.argv[1])"
-    command = [sys.executable, "-W", "ignore", "-c", program, tmp_path]
+    command = [sys.executable, "-W", "ignore", "-c", program, str(tmp_path)]
     expected = [f"{k}: {hashlib.sha256(v).hexdigest()}" for k, v in packed(tmp_path).items()]
     for name, variables in environments().items():
         answer = subprocess.run(

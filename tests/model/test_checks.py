@@ -34,7 +34,8 @@ def mirrored(robot: Robot) -> Any:
         (
             lambda r: {"joint_types": ("revolute", "revolut")},
             ValueRangeError,
-            'joint_types[1] is "revolut"; known: revolute, continuous, prismatic',
+            'joint_types[1] is "revolut"; did you mean "revolute"? known: revolute, continuous, '
+            "prismatic",
         ),
         (
             lambda r: {"after": mirrored(r)},

@@ -77,6 +77,7 @@ def test_a_chain_described_by_a_table_gives_that_table_back():
 
 def test_the_modules_of_the_real_lwa4p_give_its_published_table():
     table = load_robot("lwa4p").dh
+    assert table is not None
     for row, expected in zip(table.rows, LWA4P, strict=True):
         assert (row.a, row.alpha, row.d, row.theta) == pytest.approx(expected, abs=1e-15)
     np.testing.assert_allclose(table.base, np.eye(4), atol=1e-15)
@@ -95,7 +96,9 @@ TABLE_I = [
 
 
 def test_the_modules_of_the_paper_give_table_i():
-    for row, expected in zip(load_robot("lwa4p-paper").dh.rows, TABLE_I, strict=True):
+    table = load_robot("lwa4p-paper").dh
+    assert table is not None
+    for row, expected in zip(table.rows, TABLE_I, strict=True):
         assert (row.a, row.alpha, row.d, row.theta) == pytest.approx(expected, abs=1e-15)
 
 

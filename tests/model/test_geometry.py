@@ -49,7 +49,7 @@ def test_no_other_angle_is_snapped():
 
 def test_quarter_turns_in_degrees_are_exact_however_many():
     for k in (-1001, 17, 40, 1003):
-        assert cos_sin(k * PI / 2) == [(1, 0), (0, 1), (-1, 0), (0, -1)][k % 4]
+        assert list(cos_sin(k * PI / 2)) == [[1, 0], [0, 1], [-1, 0], [0, -1]][k % 4]
 
 
 def test_cosine_and_sine_hold_fifty_decimals_up_to_the_largest_angle():
@@ -157,7 +157,7 @@ def test_spans_that_cancel_leave_0_below_a_part_in_10_to_40_and_the_rest_above()
 
 
 def test_the_angle_of_a_direction_is_the_nearest_double():
-    """libm's is not always; which of two doubles it gives depends on the processor."""
+    """That of libm is not always; which of two doubles it gives depends on the processor."""
     rng = random.Random(3)
     before, flint.ctx.prec = flint.ctx.prec, 400
     try:

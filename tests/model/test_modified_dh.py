@@ -77,8 +77,8 @@ def craig(a: float, alpha: float, d: float, q: float) -> Array:
 def test_the_flange_of_the_panda_stands_where_it_is_known_to(tmp_path: Path) -> None:
     arm = panda(tmp_path)
     home = mr.forward_kinematics(arm, np.zeros(7))[-1]
-    np.testing.assert_allclose(home, [[1, 0, 0, 0.088], [0, -1, 0, 0], [0, 0, -1, 0.926],
-                                      [0, 0, 0, 1]], atol=1e-15)  # fmt: skip
+    known = np.array([[1, 0, 0, 0.088], [0, -1, 0, 0], [0, 0, -1, 0.926], [0, 0, 0, 1]])
+    np.testing.assert_allclose(home, known, atol=1e-15)
     ready = mr.forward_kinematics(arm, READY)[-1]
     np.testing.assert_allclose(ready[:3, 3], [0.306891, 0, 0.590282], atol=5e-7)
 

@@ -184,7 +184,7 @@ def test_a_rod_that_rounding_put_outside_still_has_points_in_its_box():
 
 def test_corners_have_every_entry_at_an_end_and_reach_both_ends():
     robot = robot_with_drives()
-    seen = {name: set() for name in FIELDS}
+    seen: dict[str, set[bool]] = {name: set() for name in FIELDS}
     for seed in range(40):
         point = robot.corner_parameters(seed)
         for name in FIELDS:

@@ -29,6 +29,7 @@ def test_the_light_wrist_is_named_with_its_gain_and_inertia(diverged: mr.Simulat
     assert found.gain == pytest.approx(gain, rel=1e-12)
     assert found.inertia == pytest.approx(inertia, rel=1e-9)
     assert found.share == pytest.approx(gain * 1e-3 / inertia, rel=1e-9)
+    assert found.share is not None
     assert found.share > 2.0
 
 

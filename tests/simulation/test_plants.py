@@ -33,8 +33,12 @@ def frictionless(robot: Robot) -> Robot:
     def without(point: Parameters) -> Parameters:
         return replace(point, viscous=0.0 * point.viscous, coulomb=0.0 * point.coulomb)
 
-    points = {name: without(getattr(robot, name)) for name in ("nominal", "lower", "upper")}
-    return replace(robot, **points)
+    return replace(
+        robot,
+        nominal=without(robot.nominal),
+        lower=without(robot.lower),
+        upper=without(robot.upper),
+    )
 
 
 @pytest.fixture(scope="module")

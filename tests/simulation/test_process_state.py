@@ -38,7 +38,7 @@ def state() -> dict[str, Any]:
         "directory": os.getcwd(),
         "locale": locale.setlocale(locale.LC_ALL),
         "numpy": (np.geterr(), repr(np.get_printoptions())),
-        "random": np.random.get_state()[1].tolist(),  # type: ignore[union-attr,index]  # noqa: NPY002
+        "random": np.random.get_state()[1].tolist(),  # type: ignore[index]  # noqa: NPY002
         "decimal": repr(decimal.getcontext()),
         "rounding": environment,
         "interpreter": (sys.getrecursionlimit(), sys.getswitchinterval(), gc.get_threshold()),

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import modrobust as mr
+from modrobust.checks.types import Array
 from modrobust.errors import FileError, InputError, ShapeError, ValueRangeError
 from modrobust.model import Bounded, Robot, synthetic_chain
 from modrobust.motion import Quintic, Splined
@@ -543,7 +544,7 @@ def test_parameters_of_another_robot_are_refused(arm: Robot) -> None:
 
 
 def test_chattering_is_one_for_a_slow_signal_and_large_for_a_shaking_one() -> None:
-    t = np.arange(6001) * 1e-3
+    t: Array = np.arange(6001.0) * 1e-3
     slow = np.sin(t)
     shaking = slow + 0.01 * np.sin(2.0 * np.pi * 200.0 * t)
     tau = np.stack([slow, shaking, np.ones_like(t)], axis=1)

@@ -100,7 +100,7 @@ def unit_torques(robot: Robot, state: Any, number: Number) -> Any:
     rest = (zero, zero, zero, -gravity)
     motions: list[Any] = []
     joints: list[Any] = []
-    for i in range(n):  # lines 4 to 22 of Algorithm 1
+    for i in range(n):  # A1:4 to A1:22, the lines of Algorithm 1
         w, w_a, dw, a = motions[h] if (h := robot.parents[i]) >= 0 else rest
         B, E, lever = before[i, :3, :3], after[i, :3, :3], before[i, :3, 3]
         a = a + cross(dw, lever) + cross(w, cross(w_a, lever))
@@ -138,7 +138,7 @@ def unit_torques(robot: Robot, state: Any, number: Number) -> Any:
         N = lever + inertia @ dw + cross(w_a, inertia @ w)
         F, N = turn(R, F), turn(R, N)
         N = N + cross(p, F)
-        while i >= 0:  # lines 26 to 36: down to the base
+        while i >= 0:  # A1:26 to A1:36: down to the base
             R, z, p, lever, revolute = joints[i]
             N = N + cross(p, F)
             torques[b, :, i] = (N if revolute else F) @ z

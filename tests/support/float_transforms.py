@@ -1,13 +1,19 @@
 """Motions of `modrobust.model.geometry` as arrays of doubles, for tests that compute so."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from functools import wraps
+from typing import Any
 
+from modrobust.checks.types import Array
 from modrobust.model import geometry
+from modrobust.model.geometry import Transform
 
 
-def _rounded(motion):
+def _rounded(motion: Callable[..., Transform]) -> Callable[..., Array]:
     @wraps(motion)
-    def make(*args, **kwargs):
+    def make(*args: Any, **kwargs: Any) -> Array:  # arrays too where exact numbers are expected
         return motion(*args, **kwargs).rounded()
 
     return make

@@ -47,12 +47,12 @@ def physical_inertia(rng: np.random.Generator, mass: float) -> Any:
 
 
 def steiner(mass: Any, com: Any) -> Any:
-    """m (c'c 1 - c c'), (..., 3, 3)."""
+    """``m (c'c 1 - c c')``, (..., 3, 3)."""
     square = (com * com).sum(axis=-1)[..., None, None]
     return mass[..., None, None] * (square * np.eye(3) - com[..., :, None] * com[..., None, :])
 
 
-def spread(rng: np.random.Generator, nominal: Any, size: Any, width: Width) -> tuple[Any, Any]:
+def spread(rng: np.random.Generator, nominal: Any, size: Any, width: Width) -> tuple[Any, ...]:
     """Bounds around `nominal`, not centred on it; `size` is the largest distance for "wide"."""
     scale = {"exact": 0.0, "narrow": 1e-4, "wide": 1.0, "mixed": 1.0}[width]
     down, up = (rng.uniform(0.1, 1.0, nominal.shape) * scale * size for _ in range(2))
@@ -128,7 +128,7 @@ def random_robot(
         k: spread(rng, getattr(nominal, k), getattr(sizes, k), width)
         for k in ("mass", "com", "inertia", "rotor_inertia", "viscous", "coulomb")
     }
-    sides["inertia"] = tuple(symmetric(side) for side in sides["inertia"])  # type: ignore[assignment]
+    sides["inertia"] = tuple(symmetric(side) for side in sides["inertia"])
     d = rng.uniform(0.0, 1.0, (2, n))
     return Robot(
         name=f"random-{letters}",
@@ -258,7 +258,7 @@ def merge_bodies(robot: Robot) -> Robot:
     return replace(
         robot,
         body_names=tuple(f"link{i}" for i in range(n)),
-        body_joints=np.arange(n),
+        body_joints=np.arange(n, dtype=np.int32),
         placement=np.tile(np.eye(4), (n, 1, 1)),
         nominal=point,
         lower=point,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import fields, replace
 from typing import Any
 
@@ -10,15 +11,16 @@ import numpy as np
 import modrobust as mr
 from modrobust import _kernel
 from modrobust.model import Parameters, Robot
+from support.states import State, doubles, state_of
 
 ULP = 2.0**-52  # relative spacing of doubles, at most
 UNIT = 2.0**-53  # relative error of one rounding
 TINY = 1e-250  # what underflow may add
 
 
-def as_long(state: Any) -> tuple[Any, ...]:
+def as_long(state: Iterable[Any]) -> State:
     """The same state in long double, so that what follows from it is as good as exact."""
-    return tuple(np.asarray(x, dtype=np.longdouble) for x in state)
+    return state_of(np.asarray(x, dtype=np.longdouble) for x in state)
 
 
 def point(robot: Robot) -> Robot:
@@ -45,21 +47,19 @@ def largest(robot: Robot) -> Parameters:
     return Parameters(**sides)
 
 
-def slack(robot: Robot, *state: Any, drives: bool = True) -> Any:
+def slack(robot: Robot, *state: *State, drives: bool = True) -> Any:
     """What rounding may move an end of the hull by, (n,); it is added to that end once more."""
     box = robot.nominal.packed, robot.lower.packed, robot.upper.packed
-    given = (np.array(x, dtype=np.float64) for x in state)
-    return _kernel.bounds_slack(robot.model, *box, *given, drives)
+    return _kernel.bounds_slack(robot.model, *box, *doubles(state), drives)
 
 
-def torque_error(robot: Robot, *state: Any, parameters: Any = None, drives: bool = True) -> Any:
+def torque_error(robot: Robot, *state: *State, parameters: Any = None, drives: bool = True) -> Any:
     """A bound of the rounding error of `inverse_dynamics`, (n,)."""
     packed = (robot.nominal if parameters is None else parameters).packed
-    given = (np.array(x, dtype=np.float64) for x in state)
-    return _kernel.inverse_dynamics_rounding(robot.model, packed, *given, drives)[1]
+    return _kernel.inverse_dynamics_rounding(robot.model, packed, *doubles(state), drives)[1]
 
 
-def excess_allowed(robot: Robot, *state: Any, bound: str = "hull", drives: bool = True) -> Any:
+def excess_allowed(robot: Robot, *state: *State, bound: str = "hull", drives: bool = True) -> Any:
     """The most that an end of the bounds may lie outside the real one, (n,).
 
     hull: the slack, and a tenth of it for rounding that happened; 1/1000 was seen. ianea: rounding

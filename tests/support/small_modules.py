@@ -1,13 +1,19 @@
 """Four small test modules as files, and the same four as Pinocchio puts them together."""
 
+from __future__ import annotations
+
 import math
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from numpy.typing import ArrayLike
 
 from modrobust.dynamics import forward_kinematics, inverse_dynamics, mass_matrix
 from modrobust.errors import DescriptionError
+from modrobust.model import Robot
 
 HINGE = """
 modrobust: 1
@@ -83,25 +89,25 @@ MODULES = {"hinge": HINGE, "slide": SLIDE, "oblique": OBLIQUE, "tool": TOOL}
 class Composed:
     """A chain put together by Pinocchio, body by body, from the tip of what is there already."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.model, self.joint, self.cursor = pin.Model(), 0, pin.SE3.Identity()
 
-    def span(self, *motions):
+    def span(self, *motions: pin.SE3) -> None:
         for motion in motions:
             self.cursor = self.cursor * motion
 
-    def turn(self, kind):
+    def turn(self, kind: str) -> None:
         model = pin.JointModelRZ() if kind == "revolute" else pin.JointModelPZ()
         name = f"joint{self.model.njoints}"
         self.joint = self.model.addJoint(self.joint, model, self.cursor, name)
         self.cursor = pin.SE3.Identity()
 
-    def body(self, mass, com, inertia):
+    def body(self, mass: float, com: Sequence[float], inertia: ArrayLike) -> None:
         body = pin.Inertia(mass, np.array(com), np.array(inertia, dtype=float))
         self.model.appendBodyToJoint(self.joint, body, self.cursor)
 
     # The test modules, motion by motion.
-    def hinge(self):
+    def hinge(self) -> None:
         self.body(1.0, [0, 0.01, 0.05], [[0.002, 1e-4, 0], [1e-4, 0.003, 0], [0, 0, 0.004]])
         self.span(move(0, 0.01, 0.1), rotate("y", 0.2))
         self.turn("revolute")
@@ -110,30 +116,30 @@ class Composed:
             0.7, [-0.02, 0.005, 0.001], [[0.001, 0, 0], [0, 0.0015, -2e-4], [0, -2e-4, 0.002]]
         )
 
-    def slide(self):
+    def slide(self) -> None:
         self.turn("prismatic")
         self.body(1.5, [0.01, 0, 0], np.diag([0.001, 0.0015, 0.002]))
         self.span(move(0.1, 0, 0))
 
-    def oblique(self):
+    def oblique(self) -> None:
         self.body(1.2, [0.1, 0.02, -0.03], [[0.004, 0, 3e-4], [0, 0.009, 0], [3e-4, 0, 0.008]])
         self.span(move(0, 0, -0.03), rotate("z", -0.4), move(0.2, 0, 0), rotate("x", 0.7))
         self.span(move(0, 0, 0.15), rotate("z", -0.9))
 
-    def tool(self):
+    def tool(self) -> None:
         self.body(0.5, [0.001, 0.002, 0.04], np.diag([5e-4, 6e-4, 3e-4]))
         self.span(move(0, 0, 0.08))
 
 
-def move(x, y, z):
+def move(x: float, y: float, z: float) -> pin.SE3:
     return pin.SE3(np.eye(3), np.array([x, y, z], dtype=float))
 
 
-def rotate(axis, angle):
+def rotate(axis: str, angle: float) -> pin.SE3:
     return pin.SE3(pin.utils.rotate(axis, angle), np.zeros(3))
 
 
-def assert_same_robot(robot, composed):
+def assert_same_robot(robot: Robot, composed: Composed) -> None:
     """Tip, mass matrix and gravity torques agree at random poses."""
     model, data = composed.model, composed.model.createData()
     model.gravity.linear = robot.base[:3, :3].T @ robot.gravity
@@ -152,7 +158,12 @@ def assert_same_robot(robot, composed):
         np.testing.assert_allclose(torque, g, rtol=0, atol=1e-12)
 
 
-def message(load, *arguments, error=DescriptionError, **named):
+def message(
+    load: Callable[..., object],
+    *arguments: Any,
+    error: type[Exception] = DescriptionError,
+    **named: Any,
+) -> str:
     """The message with which an assembly text is refused."""
     with pytest.raises(error) as caught:
         load(*arguments, **named)

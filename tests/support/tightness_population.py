@@ -17,6 +17,7 @@ import modrobust as mr
 from modrobust.model import Parameters, Robot
 from support.exact_range import exact_range
 from support.random_robots import random_robot, random_state, symmetric
+from support.states import State
 
 THRESHOLD = 1e-9  # of the largest torque: narrower true widths are not judged
 
@@ -26,14 +27,17 @@ class Case:
     """One robot, box and state: the hull, the true range, and where it comes from."""
 
     robot: Robot
-    state: Any
+    state: State
     drives: bool
     label: str
     rate: float = 0.0
 
     def judged(self) -> tuple[Any, Any, Any]:
-        """Per joint: width of the hull over the true one, true width over the largest torque,
-        and the larger overlap by which the hull falls short of the true range (0 if it holds)."""
+        """Per joint, three figures of the hull.
+
+        Width of the hull over the true one, true width over the largest torque, and the larger
+        overlap by which the hull falls short of the true range (0 if it holds).
+        """
         lo, hi = mr.inverse_dynamics_bounds(self.robot, *self.state, drives=self.drives)
         true_lo, true_hi = exact_range(self.robot, self.state, self.drives)
         size = max(np.abs(true_lo).max(), np.abs(true_hi).max())

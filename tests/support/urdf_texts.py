@@ -36,7 +36,7 @@ def two_links(
     inside_link: str = INERTIAL,
     kind: str = "revolute",
 ) -> str:
-    """base - turn - arm, each on a line of its own from line 2 on."""
+    """Links and joint ``base - turn - arm``, each on a line of its own from line 2 on."""
     return robot(
         link("base", ""), joint("turn", "base", "arm", kind, inside_joint), link("arm", inside_link)
     )

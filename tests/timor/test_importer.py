@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 import modrobust as mr
 from modrobust.errors import FileError, InputError, ValueRangeError
 from modrobust.formats import load_module
+from modrobust.formats.items import BodyItem, JointItem
 from modrobust.timor import import_timor, write_modules
 from modrobust.timor.importer import Import, inertia_reading, rpy_of
 from support.float_transforms import from_xyz_rpy, rotation_x
@@ -67,9 +68,11 @@ def test_limits_drive_and_friction_are_kept_and_noise_is_not(tmp_path: Path) -> 
     assert "xyz: [0, 0.1013, 0.1013]" in result.modules[0].text
     module = load_module(write_modules(result, tmp_path / "out")[0])
     joint = module.items[0]
+    assert isinstance(joint, JointItem)
     assert (joint.position, joint.velocity, joint.effort) == ((-2.9671, 2.9671), 1.2566, 75.504)
-    assert (joint.gear_ratio, joint.rotor_inertia.nominal) == (160.0, 5.23e-5)
-    assert (joint.viscous.nominal, joint.coulomb.nominal) == (15.68, 7.14)
+    assert joint.gear_ratio == 160.0
+    figures = (joint.rotor_inertia, joint.viscous, joint.coulomb)
+    assert [x and x.nominal for x in figures] == [5.23e-5, 15.68, 7.14]
     assert module.name == 'PB "21"'
 
 
@@ -115,7 +118,7 @@ def test_the_figures_are_those_that_timor_computes_with(tmp_path: Path) -> None:
     arm = mounted(tmp_path, import_timor(database(tmp_path, module, bent_link(), base())))
     assert arm.coulomb_speed.tolist() == [0.01, 0.01]
     for dq in (0.003, -0.02, 1.5):
-        state = [np.zeros(2), np.full(2, dq), np.zeros(2), np.ones(2)]
+        state = (np.zeros(2), np.full(2, dq), np.zeros(2), np.ones(2))
         drives = mr.inverse_dynamics(arm, *state) - mr.inverse_dynamics(arm, *state, drives=False)
         friction = 15.68 * dq + 7.14 * math.sin(math.atan(100.0 * dq))
         np.testing.assert_allclose(drives, 160.0**2 * 5.23e-5 + friction, rtol=1e-12)
@@ -230,12 +233,14 @@ def test_infinite_limits_and_a_direct_drive_are_read(tmp_path: Path) -> None:
     module["joints"][0]["limits"] |= {"peakTorque": math.inf, "positionUpper": math.inf}
     result = import_timor(database(tmp_path, module))
     first = load_module(write_modules(result, tmp_path / "out")[0]).items[0]
+    assert isinstance(first, JointItem)
     assert (first.position, first.effort, first.gear_ratio) == (None, None, None)
 
 
 def test_the_reading_that_a_rigid_body_can_have_is_taken_and_said(tmp_path: Path) -> None:
-    third = Fraction(1, 3)
-    assert inertia_reading(Fraction(1), [Fraction(0)] * 3, [third, 0, 0, third, 0, third]) == (
+    third, zero = Fraction(1, 3), Fraction(0)
+    tensor = [third, zero, zero, third, zero, third]
+    assert inertia_reading(Fraction(1), [zero] * 3, tensor) == (
         "com",
         "frame",
     )
@@ -256,7 +261,9 @@ def test_the_reading_that_a_rigid_body_can_have_is_taken_and_said(tmp_path: Path
     told = import_timor(database(tmp_path, powerball()), "frame")
     assert told.modules[0].notes == ("body elbow: inertia taken as about the frame (as told)",)
     read = load_module(write_modules(told, tmp_path / "frame")[0])
-    assert (read.items[2].inertia_about, read.items[2].inertia[0].nominal) == ("frame", 0.042799)
+    elbow = read.items[2]
+    assert isinstance(elbow, BodyItem)
+    assert (elbow.inertia_about, elbow.inertia[0].nominal) == ("frame", 0.042799)
 
 
 FAULTS: dict[str, tuple[dict[str, Any], str]] = {

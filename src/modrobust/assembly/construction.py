@@ -11,7 +11,7 @@ from modrobust.assembly.parts import Parts, PlacedBody, PlacedJoint
 from modrobust.assembly.regularity import refuse_singular
 from modrobust.assembly.scenarios import scenario_parameters
 from modrobust.assembly.settings import controller_settings, per_joint, trajectory_settings
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.checks.types import Array, Flags
 from modrobust.formats import Assembly, JointItem, Payload, Quantity
 from modrobust.model import Bounded, MimicJoints, Parameters, Robot
@@ -124,8 +124,7 @@ def _payload(description: Assembly, parts: Parts) -> list[PlacedBody]:
     else:
         raise payload.where.error(
             "payload.at",
-            f'no {parts.place} named "{payload.at}"; {did_you_mean(payload.at, known)}'
-            f"known: {', '.join(known)}",
+            unknown_name(f'no {parts.place} named "{payload.at}"', payload.at, known),
         )
     if joint < 0:
         raise payload.where.error(

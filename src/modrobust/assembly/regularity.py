@@ -25,7 +25,8 @@ def refuse_singular(robot: Robot, where: Sequence[Where], carrying: str = "") ->
     """Raises where M(q) at nominal parameters, drives included, is singular at a seeded pose.
 
     Args:
-        robot: The robot; `where` (j,) says where its joints are written.
+        robot: The robot.
+        where: Where each of its joints is written, mimic joints too, (j,).
         carrying: Which of several payloads, for the message.
 
     Raises:

@@ -61,8 +61,11 @@ class JointFigures:
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """All figures of one robot. `reach` [m] is the largest distance found of a link or body frame
-    from the origin of the base frame; `exact` groups the names of `Robot.exact` for reading."""
+    """All figures of one robot.
+
+    `reach` [m] is the largest distance found of a link or body frame from the origin of the base
+    frame; `exact` groups the names of `Robot.exact` for reading.
+    """
 
     robot: str
     modules: tuple[ModuleNode, ...]

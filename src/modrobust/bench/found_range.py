@@ -15,7 +15,7 @@ from modrobust import _kernel
 from modrobust.checks import as_array, as_truth
 from modrobust.checks.types import Array
 from modrobust.kernel import own_environment, status_error
-from modrobust.model import Robot, check_robot
+from modrobust.model import Robot, check_robot, owner_of
 
 _SWEEPS = 4
 _PAIRS = ((0, 1), (0, 2), (1, 2))
@@ -53,7 +53,7 @@ def found_range(
     """
     check_robot(robot)
     shape = (*np.shape(q)[:1], robot.n)
-    owner = f'robot "{robot.name}" has {robot.n} joints'
+    owner = owner_of(robot)
     named = {"q": q, "dq": dq, "dq_a": dq_a, "ddq_a": ddq_a}
     columns = (as_array(name, value, shape, owner) for name, value in named.items())
     states = list(zip(*columns, strict=True))

@@ -43,7 +43,8 @@ def as_integer(name: str, value: object, least: int, most: int | None = None) ->
     Args:
         name: What the caller knows the argument as.
         value: The argument: an int or a numpy integer; 1.0 is none.
-        least, most: Ends of the range, both allowed; None = no end.
+        least: Smallest value allowed.
+        most: Largest value allowed; None = no limit.
 
     Raises:
         ValueRangeError: It is no whole number, or out of its range.

@@ -40,15 +40,27 @@ def as_array(name: str, value: ArrayLike, shape: tuple[int, ...], owner: str) ->
     """
     array = np.ascontiguousarray(as_real(name, value, f"{_words(shape)} numbers"))
     if np.ndim(value) == 0 and shape:  # ascontiguousarray makes it one-dimensional
-        raise ShapeError(f"{name}: expected shape {shape}, got a single number; {owner}")
+        raise shape_error(name, shape, "a single number", owner)
     if array.shape != shape:
-        raise ShapeError(f"{name}: expected shape {shape}, got {array.shape}; {owner}")
+        raise shape_error(name, shape, array.shape, owner)
     finite = np.isfinite(array)
     if not finite.all():
         where = tuple(int(k) for k in np.argwhere(~finite)[0])
         index = "".join(f"[{k}]" for k in where)
         raise ValueRangeError(f"{name}{index} is {array[where]}; every entry must be finite")
     return array
+
+
+def shape_error(name: str, expected: object, found: object, owner: str) -> ShapeError:
+    """The exception for an array of another shape.
+
+    Args:
+        name: What the caller knows the array as.
+        expected: The shape that it should have, or a text such as ``(..., 6)``.
+        found: The shape that it has.
+        owner: Where the shape comes from, such as ``robot "arm6" has 6 joints``.
+    """
+    return ShapeError(f"{name}: expected shape {expected}, got {found}; {owner}")
 
 
 def as_real(name: str, value: ArrayLike, expected: str) -> Array:

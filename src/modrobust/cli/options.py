@@ -118,6 +118,7 @@ class PlainCommand(TyperCommand):
     """A command whose refusals do not speak of the library that found them."""
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
+        """The arguments left over; a refusal by typer comes in the words of modrobust."""
         try:
             return super().parse_args(ctx, args)
         except typer.BadParameter as refusal:

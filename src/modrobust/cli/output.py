@@ -141,6 +141,7 @@ class ProgressBar:
         self._start = time.monotonic()
 
     def __call__(self, done: float, label: str | None = None) -> None:
+        """Shows the part done [1]; the bar appears once the work is bound to take over a second."""
         if self._bar is None:
             elapsed = time.monotonic() - self._start
             if not sys.stderr.isatty() or elapsed < max(0.1, done):  # under a second in all

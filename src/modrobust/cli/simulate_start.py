@@ -27,6 +27,7 @@ class Start:
         self._estimated = False
 
     def __call__(self, done: float, total: float) -> None:
+        """Takes simulated and total time [s]."""
         if self._begun is None:
             self._announce(total)
             self._begun = time.monotonic()

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from modrobust import _kernel
-from modrobust.checks import as_array, as_number
+from modrobust.checks import as_array, as_number, unknown_name
 from modrobust.checks.types import Array
 from modrobust.control.rate import RateNeed, needed_rate
 from modrobust.control.settings import (
@@ -97,7 +97,7 @@ class RobustController:
         loop: The whole loop, instead of the robot's; rate and delay are laid over it.
         motion: What ``auto`` chooses gains for: a `Trajectory`; None = the robot's own, else any
             motion within the limits of positions and velocities.
-        options: Settings by name, see `ControllerSettings`; ``K_r`` may be one number for all
+        **options: Settings by name, see `ControllerSettings`; ``K_r`` may be one number for all
             joints, a mapping by joint name, or ``(n,)``. None = the robot's own.
 
     Warns:
@@ -137,8 +137,10 @@ class RobustController:
         else:  # not used
             self._points = robot.nominal, robot.nominal
         self.settings = settings
-        self.kernel = make_kernel_controller(robot, settings, self.loop, *self._points)
+        self.payload: str | None = None
+        self.kernel = self._kernel_of(None)
         self._motion = motion
+        self._before: _kernel.Controller | None = None  # of the payload used until now
         if rate is not None or loop is not None:
             need = self.rate_need
             if need is not None and need.warning is not None:
@@ -146,14 +148,24 @@ class RobustController:
 
     def __getstate__(self) -> dict[str, Any]:
         """For copy, deepcopy and pickle: everything, the kernel's state as numbers."""
-        return {**self.__dict__, "kernel": self.kernel.memory()}
+        return {**self.__dict__, "kernel": self.kernel.memory(), "_before": None}
 
     @own_environment()
     def __setstate__(self, state: Mapping[str, Any]) -> None:
         """A copy has a state of its own, which stands where that of the original stood."""
         self.__dict__.update(state)
-        self.kernel = make_kernel_controller(self.robot, self.settings, self.loop, *self._points)
+        self.kernel = self._kernel_of(self.payload)
         self.kernel.recall(*state["kernel"])
+
+    def _kernel_of(self, payload: str | None) -> _kernel.Controller:
+        """The compiled controller that counts on this payload, or on any of them."""
+        robot, points = self.robot, self._points
+        if payload is not None:
+            nominal, lower, upper = robot.payloads[payload]
+            robot = replace(robot, nominal=nominal, lower=lower, upper=upper, payloads={})
+            if self.settings.law == "sampled":  # M_s is what the gains were chosen with
+                points = central_parameters(robot), points[1]
+        return make_kernel_controller(robot, self.settings, self.loop, *points)
 
     @property
     def period(self) -> float:
@@ -184,8 +196,11 @@ class RobustController:
 
         Args:
             t: Time [s]; not before that of the previous command, but for its rounding.
-            q, dq: Measured positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
-            q_des, dq_des, ddq_des: Desired motion at ``t``, ``(n,)`` [rad], [rad/s], [rad/s^2].
+            q: Measured positions, ``(n,)`` [rad] or [m].
+            dq: Measured velocities, ``(n,)`` [rad/s] or [m/s].
+            q_des: Desired positions at ``t``, ``(n,)`` [rad] or [m].
+            dq_des: Desired velocities at ``t``, ``(n,)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations at ``t``, ``(n,)`` [rad/s^2] or [m/s^2].
 
         Raises:
             ShapeError: A vector does not have ``n`` entries.
@@ -202,9 +217,12 @@ class RobustController:
             raise ValueRangeError(f"t: {time:g} s; must be finite")
         signals = self._signals((), q=q, dq=dq, q_des=q_des, dq_des=dq_des, ddq_des=ddq_des)
         try:
+            if self._before is not None:
+                self._take_over(time, signals)
             out = self.kernel.command(time, *signals.values())
         except _kernel.KernelError as problem:
             raise self._refusal(problem, signals) from None
+        self._before = None
         tau, nominal, v, phi_lo, phi_hi, rho = out
         kernel = self.kernel
         return Command(
@@ -230,9 +248,11 @@ class RobustController:
         integrals.
 
         Args:
-            q, dq: Positions and velocities, ``(n,)`` [rad], [rad/s] or [m], [m/s].
-            q_des, dq_des, ddq_des: Desired motion at the same instant, ``(n,)`` [rad], [rad/s],
-                [rad/s^2].
+            q: Positions, ``(n,)`` [rad] or [m].
+            dq: Velocities, ``(n,)`` [rad/s] or [m/s].
+            q_des: Desired positions at the same instant, ``(n,)`` [rad] or [m].
+            dq_des: Desired velocities, ``(n,)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations, ``(n,)`` [rad/s^2] or [m/s^2].
             integral: Of f over time [rad s]; not negative. What a solver's
                 error makes of 0, from -1e-6 on, counts as 0.
 
@@ -262,18 +282,62 @@ class RobustController:
         tau, nominal, v, phi_lo, phi_hi, rho = out
         return Command(tau, nominal, v, phi_lo, phi_hi, rho, rho_norm, rate, 1.0)
 
-    def reset(self) -> None:
-        """Forget time and integrals, as if no command had been given yet."""
+    def reset(self, q: ArrayLike | None = None) -> None:
+        """Forget time and integrals, as if no command had been given yet.
+
+        The law ``sampled`` then leads from where the robot stands to the motion, (34).
+
+        Args:
+            q: Where it stands, ``(n,)`` [rad] or [m]; None = as the next command measures it.
+
+        Raises:
+            ShapeError: ``q`` does not have ``n`` entries.
+            ValueRangeError: A number is none or not finite.
+
+        Source: our own, (34).
+        """
         self.kernel.reset()
+        self._before = None
+        if q is not None and self.settings.law == "sampled":
+            place = self._signals((), q=q)["q"]
+            memory = np.zeros(4 * self.robot.n)
+            memory[2 * self.robot.n : 3 * self.robot.n] = place
+            self.kernel.recall(0.0, 0.0, 0.0, -1, 0.0, memory, 0.0, 0.0, 0.0, 1.0)
+
+    @own_environment()
+    def use(self, payload: str | None) -> None:
+        """From the next command on, count on one of the robot's named payloads, or on any of them.
+
+        The guarantee is then that of the payload's own box: w of every point of it lies in [Phi].
+        While a payload is being grasped or laid down, use None: the box around all of them.
+        Integrals go on: the next torque of the law ``sampled`` is the one that the box before
+        would have led to, as far as the new [Phi] allows it. Gains stay.
+
+        Args:
+            payload: A name in the description's ``payloads``, or None for the box around them.
+
+        Raises:
+            ValueRangeError: No payload has that name.
+
+        Source: our own; docs/theory/guarantees.md.
+        """
+        known = self.robot.payloads
+        if payload is not None and payload not in known:
+            found = f'payload: no payload "{payload}" in the description'
+            raise ValueRangeError(unknown_name(found, payload, known))
+        kernel = self._kernel_of(payload)
+        kernel.recall(*self.kernel.memory())
+        self._before = self._before or self.kernel
+        self.kernel, self.payload = kernel, payload
 
     @property
     def kappa(self) -> float:
-        """kappa(t) of (7) at the last command [s/rad]."""
+        """Gain kappa of (7) at the last command [s/rad]."""
         return self.kernel.kappa
 
     @property
     def phi(self) -> float:
-        """phi(t) of (7) at the last command [N m s/rad]."""
+        """Gain phi of (7) at the last command [N m s/rad]."""
         return self.kernel.phi
 
     def time_commands(
@@ -291,8 +355,11 @@ class RobustController:
 
         Args:
             t: Instants, ``(k,)`` [s].
-            q, dq: Positions and velocities, ``(k, n)`` [rad], [rad/s].
-            q_des, dq_des, ddq_des: Desired motion, ``(k, n)`` [rad], [rad/s], [rad/s^2].
+            q: Positions, ``(k, n)`` [rad] or [m].
+            dq: Velocities, ``(k, n)`` [rad/s] or [m/s].
+            q_des: Desired positions, ``(k, n)`` [rad] or [m].
+            dq_des: Desired velocities, ``(k, n)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations, ``(k, n)`` [rad/s^2] or [m/s^2].
 
         Returns:
             Times, ``(k,)`` [s].
@@ -311,6 +378,22 @@ class RobustController:
             return self.kernel.time_commands(instants, *signals.values())
         except _kernel.KernelError as problem:
             raise self._refusal(problem, signals) from None
+
+    def _take_over(self, time: float, signals: Mapping[str, Array]) -> None:
+        """Moves sigma by what the nominal torque jumps where another payload is counted on."""
+        if self.settings.law != "sampled" or self._before is None:
+            return
+        memory = self.kernel.memory()
+        old = self._before.memory()
+        try:
+            jump = self._before.command(time, *signals.values())[1]
+            jump = jump - self.kernel.command(time, *signals.values())[1]
+        finally:
+            self._before.recall(*old)
+            self.kernel.recall(*memory)
+        remembered = np.array(memory[5])
+        remembered[: self.robot.n] += jump
+        self.kernel.recall(*memory[:5], remembered, *memory[6:])
 
     def _refusal(
         self, problem: _kernel.KernelError, signals: Mapping[str, Array]

@@ -75,7 +75,8 @@ def needed_rate(
         q, dq, ddq = motion.sample(np.linspace(0.0, duration, _STATES))
     try:
         light = light_parameters(robot, central_parameters(robot), q)
-        found = [_share(robot, settings, light.packed, *state) for state in zip(q, dq, ddq)]
+        states = zip(q, dq, ddq, strict=True)
+        found = [_share(robot, settings, light.packed, *state) for state in states]
     except (_kernel.KernelError, ArithmeticError, ValueError):
         return None
     share, joint = max(found)

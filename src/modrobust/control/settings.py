@@ -10,11 +10,11 @@ from typing import Any, TypedDict
 import numpy as np
 
 from modrobust import _kernel
-from modrobust.checks import as_number, as_real, did_you_mean
+from modrobust.checks import as_number, as_real, shape_error, unknown_name
 from modrobust.checks.types import Array
-from modrobust.errors import ShapeError, ValueRangeError
+from modrobust.errors import ValueRangeError
 from modrobust.kernel import BOUNDS
-from modrobust.model import ControllerSettings, LoopSettings, Parameters, Robot
+from modrobust.model import ControllerSettings, LoopSettings, Parameters, Robot, owner_of
 
 LAWS: Mapping[str, int] = {"norm": 0, "componentwise": 1, "sampled": 2}
 AUTO = "auto"
@@ -66,8 +66,7 @@ def checked_settings(robot: Robot, options: ControllerOptions) -> ControllerSett
     known = [field.name for field in fields(ControllerSettings)]
     for name in options:
         if name not in known:
-            hint = did_you_mean(name, known)
-            raise TypeError(f'no setting "{name}" of a controller; {hint}known: {", ".join(known)}')
+            raise TypeError(unknown_name(f'no setting "{name}" of a controller', name, known))
     given = {name: value for name, value in options.items() if value is not None}
     own = robot.controller
     law = _known("law", str(given.get("law", own.law)), (*LAWS, AUTO))
@@ -160,10 +159,7 @@ def _sizes(name: str, robot: Robot, value: PerJoint) -> tuple[float, ...]:
         return ()
     array = np.full(robot.n, float(array)) if array.ndim == 0 else array
     if array.shape != (robot.n,):
-        raise ShapeError(
-            f"loop.{name}: expected shape ({robot.n},), got {array.shape}; robot "
-            f'"{robot.name}" has {robot.n} joints'
-        )
+        raise shape_error(f"loop.{name}", (robot.n,), array.shape, owner_of(robot))
     if not (np.isfinite(array).all() and (array >= 0.0).all()):
         raise ValueRangeError(f"loop.{name}: must be finite and not negative")
     return tuple(array.tolist())
@@ -229,8 +225,7 @@ def kernel_loop(loop: LoopSettings, seed: int, substeps: int, implicit: bool) ->
 def _known(name: str, value: str, known: Sequence[str]) -> str:
     if isinstance(value, str) and value in known:
         return value
-    hint = did_you_mean(value, known)
-    raise ValueRangeError(f'{name}: no {name} "{value}"; {hint}known: {", ".join(known)}')
+    raise ValueRangeError(unknown_name(f'{name}: no {name} "{value}"', value, known))
 
 
 def _number(name: str, value: float, *, positive: bool) -> float:
@@ -254,10 +249,8 @@ def _per_joint(name: str, robot: Robot, value: PerJoint) -> tuple[float, ...]:
     if isinstance(value, Mapping):
         for joint in value:
             if joint not in robot.joint_names:
-                hint = did_you_mean(joint, robot.joint_names)
-                raise ValueRangeError(
-                    f'{name}: no joint "{joint}"; {hint}known: {", ".join(robot.joint_names)}'
-                )
+                found = f'{name}: no joint "{joint}"'
+                raise ValueRangeError(unknown_name(found, joint, robot.joint_names))
         missing = [joint for joint in robot.joint_names if joint not in value]
         if missing:
             raise ValueRangeError(
@@ -268,10 +261,7 @@ def _per_joint(name: str, robot: Robot, value: PerJoint) -> tuple[float, ...]:
     if array.ndim == 0:
         array = np.full(robot.n, float(array))
     if array.shape != (robot.n,):
-        raise ShapeError(
-            f'{name}: expected shape ({robot.n},), got {array.shape}; robot "{robot.name}" has '
-            f"{robot.n} joints"
-        )
+        raise shape_error(name, (robot.n,), array.shape, owner_of(robot))
     for joint, number in zip(robot.joint_names, array, strict=True):
         if not (math.isfinite(number) and number > 0.0):
             raise ValueRangeError(

@@ -9,8 +9,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from modrobust.checks.types import Array, Flags
-from modrobust.errors import ShapeError
-from modrobust.model import Parameters, Robot
+from modrobust.model import Parameters, Robot, check_parameters
 from modrobust.model.physical import inertia_about_com
 
 
@@ -56,11 +55,7 @@ def point_of(robot: Robot, parameters: Parameters | None) -> Parameters:
     """
     if parameters is None:
         parameters = robot.nominal
-    if parameters.packed.shape != robot.nominal.packed.shape or len(parameters.mass) != robot.b:
-        raise ShapeError(
-            f"parameters: of {len(parameters.mass)} bodies and {len(parameters.viscous)} joints; "
-            f'robot "{robot.name}" has {robot.b} and {robot.j}'
-        )
+    check_parameters(robot, parameters)
     inertia = inertia_about_com(parameters.mass, parameters.com, parameters.inertia, robot.framed)
     return replace(parameters, inertia=inertia)
 

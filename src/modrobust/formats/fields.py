@@ -22,7 +22,7 @@ from pydantic import (
 )
 from pydantic_core import InitErrorDetails, PydanticCustomError, core_schema
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.formats.faults import Faults
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, kind_of, shown
 from modrobust.formats.structure import unknown_key
@@ -168,14 +168,13 @@ class Choice:
         if text not in self.allowed:
             raise refuse(
                 node.where,
-                f"{shown(text)} is not allowed here; {did_you_mean(text, self.allowed)}"
-                f"known: {', '.join(self.allowed)}",
+                unknown_name(f"{shown(text)} is not allowed here", text, self.allowed),
             )
         return text
 
 
 def choice(*allowed: str) -> Choice:
-    """``Annotated[str, choice("a", "b")]`` is a field that takes "a" or "b"."""
+    """What makes a field take one of these texts, for use in ``Annotated[str, ...]``."""
     return Choice(allowed)
 
 

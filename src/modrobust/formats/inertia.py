@@ -27,7 +27,7 @@ Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
 
 
 def steiner(mass: Fraction, com: Sequence[Fraction]) -> Tensor:
-    """m (c'c 1 - c c'): what a mass away from the reference point adds to the tensor."""
+    """``m (c'c 1 - c c')``: what a mass away from the reference point adds to the tensor."""
     square = sum((c * c for c in com), Fraction(0))
     xx, xy, xz, yy, yz, zz = (
         mass * ((square if i == j else 0) - com[i] * com[j]) for i, j in PLACES.values()

@@ -149,7 +149,8 @@ def parse_noise(
         text: Such as ``"position=1e-4, velocity=1e-2 rad/s, sign=worst"``, where a bare number is
             in SI units and a value may be ``{joint: value, ...}``; ``"none"``; or a mapping.
         field: What messages call it.
-        names, types: Of the free joints; types "revolute", "continuous" or "prismatic".
+        names: Of the free joints.
+        types: Of the same: "revolute", "continuous" or "prismatic".
 
     Returns:
         ``noise_position``, ``noise_velocity`` and ``noise``; what is not written is none.
@@ -174,7 +175,8 @@ def parse_quantisation(
     Args:
         text: Such as ``"position=1e-4 rad"``, ``"none"``, or a mapping.
         field: What messages call it.
-        names, types: Of the free joints.
+        names: Of the free joints.
+        types: Of the same.
 
     Raises:
         ValueRangeError: The text is not of that form.

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import did_you_mean, unknown_name
 from modrobust.formats.controller import ControllerEntry
 from modrobust.formats.fields import (
     Anything,
@@ -270,16 +270,17 @@ def _trajectory_kind(node: Any) -> str:
 
 
 def _known_trajectory(node: Node) -> Node:
-    known = ", ".join(TRAJECTORY_KINDS)
     if not isinstance(node, MapNode) or "kind" not in node.entries:
         raise refuse(
             node.where,
-            f'no "kind"; a trajectory is a mapping with kind: one of {known}; add it',
+            'no "kind"; a trajectory is a mapping with kind: one of '
+            f"{', '.join(TRAJECTORY_KINDS)}; add it",
         )
     kind = node.entries["kind"]
     if not isinstance(kind, ScalarNode) or kind.text not in TRAJECTORY_KINDS:
-        hint = did_you_mean(kind.text, TRAJECTORY_KINDS) if isinstance(kind, ScalarNode) else ""
-        raise refuse(kind.where, f"{kind_of(kind)} is no kind of trajectory; {hint}known: {known}")
+        name = kind.text if isinstance(kind, ScalarNode) else ""
+        found = f"{kind_of(kind)} is no kind of trajectory"
+        raise refuse(kind.where, unknown_name(found, name, TRAJECTORY_KINDS))
     return node
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.formats.models import (
     BodyModel,
     ChainEntry,
@@ -44,8 +44,7 @@ def overridden(root: MapNode, module: ModuleModel, overrides: Mapping[str, Node]
         if name not in names:
             raise node.where.error(
                 f"set.{path}",
-                f'no part {shown(name)} in module "{module.module}"; {did_you_mean(name, names)}'
-                f"known: {', '.join(names)}",
+                unknown_name(f'no part {shown(name)} in module "{module.module}"', name, names),
             )
         index = names[name]
         model = module.chain[index]
@@ -108,8 +107,7 @@ def _check_head(head: str, model: ChainEntry, path: str, node: Node) -> None:
     if head not in settable:
         raise node.where.error(
             f"set.{path}",
-            f"{shown(head)} cannot be set; {did_you_mean(head, settable)}"
-            f"known: {', '.join(settable)}",
+            unknown_name(f"{shown(head)} cannot be set", head, settable),
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.formats.nodes import ListNode, MapNode, Node, shown
 from modrobust.formats.quantity import Quantity, parse_quantity
 
@@ -96,8 +96,7 @@ class PerJoint:
             if name not in joint_names:
                 raise values[name].where.error(
                     self.field,
-                    f"no joint named {shown(name)}; {did_you_mean(name, joint_names)}"
-                    f"known: {', '.join(joint_names)}",
+                    unknown_name(f"no joint named {shown(name)}", name, joint_names),
                 )
         for name in joint_names:
             if name not in values:

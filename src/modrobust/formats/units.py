@@ -24,7 +24,7 @@ class Unit:
     powers: tuple[int, int, int, int]
 
     def times(self, other: Unit, power: int) -> Unit:
-        """self * other ** power."""
+        """The product ``self * other ** power``."""
         m, kg, s, rad = (a + power * b for a, b in zip(self.powers, other.powers, strict=True))
         return Unit(
             self.scale * other.scale**power,

@@ -10,9 +10,9 @@ size_t mr_command_workspace_size(const mr_model *model) {
 
 mr_status mr_elapsed(const mr_controller_state *state, double t, double *elapsed) {
     if (!isfinite(t)) return MR_NOT_FINITE;
-    const double back = state->started ? state->previous_time - t : 0.0;
+    const double back = state->started > 0 ? state->previous_time - t : 0.0;
     if (back > MR_TIME_ROUNDING * fabs(state->previous_time)) return MR_TIME;
-    *elapsed = state->started && back < 0.0 ? -back : 0.0;
+    *elapsed = back < 0.0 ? -back : 0.0;
     return MR_OK;
 }
 

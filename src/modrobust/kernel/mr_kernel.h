@@ -204,13 +204,15 @@ typedef struct {
     double integral;       /* of f(|e|) over time, e of (4) */
     double previous_f;     /* f at the previous command */
     double previous_time;  /* [s] */
-    int32_t started;       /* 0 before the first command */
+    int32_t started;       /* 0 before the first command; -1: that one starts from a q in memory */
     double start_time;     /* of the first command [s] */
     double *memory;        /* (mr_controller_memory_size) of sampled; NULL for the others */
 } mr_controller_state;
 
 /* Number of doubles that the law `sampled` remembers: sigma of (33), the acceleration of (31), and
- * where it started from, (34), n each. Their values before the first command do not matter. */
+ * where it started from, (34), its position and velocity, n each. Before the first command they do
+ * not matter, but for the position where state->started is -1: it starts from there, and else from
+ * where it is measured. */
 size_t mr_controller_memory_size(const mr_model *model);
 
 /* The error e of (4) (n): q_des - q, of a joint that wraps less the whole turns that leave at most

@@ -47,13 +47,14 @@ static mr_status feed_forward(const mr_model *model, const mr_bounds *bounds,
     if (!mr_is_sound(bounds)) return MR_NOT_FINITE;
     const mr_status status = mr_full_state(model, &ws, given, &state);
     if (status) return status;
-    mr_point_of(model, &gains->centre, ws.point);
-    mr_newton_euler(model, ws.point, &state, &ws, ws.mid);
+    mr_torque_box(model, bounds, gains->method, &state, 1, &ws);
+    mr_total_bounds(model, gains->method, &ws);
+    mr_point_of(model, &gains->centre, ws.point); /* the links move as they did for the box */
+    mr_body_pass(model, ws.point, &ws);
+    mr_backward_recursion(model, &ws, ws.mid);
     mr_add_drives(model, &gains->centre, &state, ws.mid);
     mr_fold_mimic_torque(model, ws.mid);
     for (int32_t i = 0; i < model->n; ++i) nominal[i] = ws.mid[i];
-    mr_torque_box(model, bounds, gains->method, &state, 1, &ws);
-    mr_total_bounds(model, gains->method, &ws);
     for (int32_t i = 0; i < model->n; ++i) {
         const mr_interval d = {bounds->disturbance_lo[i], bounds->disturbance_hi[i]};
         const mr_interval tau = {ws.lo[i], ws.hi[i]}, u0 = {nominal[i], nominal[i]};
@@ -106,15 +107,18 @@ mr_status mr_sampled_command(const mr_model *model, const mr_bounds *bounds, con
           mr_all_finite(n, dq_des) & mr_all_finite(n, ddq_des)))
         return MR_NOT_FINITE;
     if (mr_beyond_wrapping(model, q_des)) return MR_ANGLE_RANGE;
+    const int started = state->started > 0;
+    const double *from = state->started < 0 ? memory + MR_START * rows : q;
     for (int32_t i = 0; i < n; ++i) {
         e[i] = mr_error_of(model, i, q_des, q);
         de[i] = dq_des[i] - dq[i];
-        start[i] = state->started ? memory[MR_START * rows + (size_t)i] : -e[i];
-        start_rate[i] = state->started ? memory[MR_START_RATE * rows + (size_t)i] : -de[i];
+        start[i] =
+            started ? memory[MR_START * rows + (size_t)i] : -mr_error_of(model, i, q_des, from);
+        start_rate[i] = started ? memory[MR_START_RATE * rows + (size_t)i] : -de[i];
     }
-    const double since_start = state->started ? t - state->start_time : 0.0;
+    const double since_start = started ? t - state->start_time : 0.0;
     add_blend(n, gains->blend, since_start, start, start_rate, e, de, NULL);
-    if (gains->predictor && state->started) { /* (31) */
+    if (gains->predictor && started) { /* (31) */
         const double lag = gains->delay * gains->period;
         for (int32_t i = 0; i < n; ++i) {
             const double past = memory[MR_PAST * rows + (size_t)i];
@@ -140,7 +144,7 @@ mr_status mr_sampled_command(const mr_model *model, const mr_bounds *bounds, con
 
     double *sigma = y, *base = de;
     for (int32_t i = 0; i < n; ++i) {
-        sigma[i] = state->started && gains->integral ? memory[MR_SIGMA * rows + (size_t)i] : 0.0;
+        sigma[i] = started && gains->integral ? memory[MR_SIGMA * rows + (size_t)i] : 0.0;
         base[i] = nominal[i] + sigma[i];
     }
     const double alpha =
@@ -186,8 +190,8 @@ mr_status mr_sampled_command(const mr_model *model, const mr_bounds *bounds, con
     out->kappa = out->phi = 0.0;
     out->alpha = alpha;
     state->integral = state->previous_f = 0.0;
-    if (!state->started || elapsed > 0.0) state->previous_time = t;
-    if (!state->started) state->start_time = t;
+    if (!started || elapsed > 0.0) state->previous_time = t;
+    if (!started) state->start_time = t;
     state->started = 1;
     return MR_OK;
 }

@@ -11,7 +11,7 @@ from modrobust.model.parts import (
     ModuleNode,
     TrajectorySettings,
 )
-from modrobust.model.robot import Robot, check_robot
+from modrobust.model.robot import Robot, check_parameters, check_robot, owner_of
 from modrobust.model.synthetic import synthetic_chain
 
 __all__ = [
@@ -23,6 +23,8 @@ __all__ = [
     "Parameters",
     "Robot",
     "TrajectorySettings",
+    "check_parameters",
     "check_robot",
+    "owner_of",
     "synthetic_chain",
 ]

@@ -6,12 +6,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from modrobust.checks import shape_error, unknown_name
 from modrobust.checks.types import Array, Flags, Ints
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.model.parameters import Parameters
 from modrobust.model.parts import MimicJoints
 from modrobust.model.physical import ABOUT_COM, ABOUT_FRAME
 
+_KINDS = ("revolute", "continuous", "prismatic")
 _RIGID = 1e-9  # how far a rotation matrix may be from orthonormal; URDF angles have few digits
 
 
@@ -19,7 +21,7 @@ def check_lengths(arrays: Mapping[str, tuple[Array | Ints, tuple[int, ...]]], ow
     """Refuses an array whose shape is not the one beside it; infinite limits are allowed."""
     for name, (array, shape) in arrays.items():
         if array.shape != shape:
-            raise ShapeError(f"{name}: expected shape {shape}, got {array.shape}; {owner}")
+            raise shape_error(name, shape, array.shape, owner)
         if np.isnan(array).any() or (np.isinf(array).any() and not name.endswith("_limits")):
             raise ValueRangeError(f"{name}: every entry must be finite")
 
@@ -30,10 +32,8 @@ def check_tree(
     """Refuses unknown joint types and indices that lead nowhere; parents come before children."""
     j = len(joint_types)
     for i, kind in enumerate(joint_types):
-        if kind not in ("revolute", "continuous", "prismatic"):
-            raise ValueRangeError(
-                f'joint_types[{i}] is "{kind}"; known: revolute, continuous, prismatic'
-            )
+        if kind not in _KINDS:
+            raise ValueRangeError(unknown_name(f'joint_types[{i}] is "{kind}"', kind, _KINDS))
     for name, index, first, last, rule in (
         ("parents", parents, -1, np.arange(j) - 1, "a joint before its child, or -1, the base"),
         ("body_joints", body_joints, -1, j - 1, "a joint, or -1, the base"),
@@ -65,9 +65,8 @@ def check_abouts(abouts: Sequence[str], b: int, owner: str) -> None:
         raise ShapeError(f"inertia_about: expected {b} entries, got {len(abouts)}; {owner}")
     for k, about in enumerate(abouts):
         if about not in (ABOUT_COM, ABOUT_FRAME):
-            raise ValueRangeError(
-                f'inertia_about[{k}] is "{about}"; known: {ABOUT_COM}, {ABOUT_FRAME}'
-            )
+            found = f'inertia_about[{k}] is "{about}"'
+            raise ValueRangeError(unknown_name(found, about, (ABOUT_COM, ABOUT_FRAME)))
 
 
 def check_rigid(name: str, transforms: Array) -> None:

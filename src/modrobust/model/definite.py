@@ -66,7 +66,7 @@ def pulled_to_definite(
 
 
 def between(nominal: Parameters, point: Parameters, share: float) -> Parameters:
-    """nominal + share (point - nominal), inside both."""
+    """The point ``nominal + share (point - nominal)``, each entry between those of both."""
     if share == 1.0:
         return point
     found = {}

@@ -30,7 +30,7 @@ _BETWEEN = np.arange(1.0, 64.0) / 64.0
 
 
 def steiner(mass: Array, com: Array) -> Array:
-    """m (c'c 1 - c c') (..., 3, 3) [kg m^2] for masses (...) and COMs (..., 3)."""
+    """``m (c'c 1 - c c')`` (..., 3, 3) [kg m^2] for masses (...) and COMs (..., 3)."""
     outer = com[..., :, None] * com[..., None, :]
     square = com[..., 0] ** 2 + com[..., 1] ** 2 + com[..., 2] ** 2
     moved: Array = mass[..., None, None] * (square[..., None, None] * np.eye(3) - outer)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from modrobust import _kernel
-from modrobust.checks import as_integer
+from modrobust.checks import as_integer, shape_error
 from modrobust.checks.types import Array, Flags, Ints
 from modrobust.errors import ShapeError, ValueRangeError, visible
 from modrobust.kernel import own_environment
@@ -216,8 +216,10 @@ class Robot:
 
     @property
     def uncertain(self) -> bool:
-        """Whether any parameter or the disturbance has a width; else there is nothing to be robust
-        against."""
+        """Whether any parameter or the disturbance has a width.
+
+        Else there is nothing to be robust against.
+        """
         d = self.disturbance
         return bool((self.lower.packed < self.upper.packed).any() or (d.lo < d.hi).any())
 
@@ -288,11 +290,7 @@ class Robot:
         """
         for name, x in (("q", q), ("q_des", q_des)):
             if np.shape(x) != np.shape(q) or np.shape(x)[-1:] != (self.n,):
-                shape = (*np.shape(q)[:-1], self.n)
-                raise ShapeError(
-                    f'{name}: expected shape {shape}, got {np.shape(x)}; robot "{self.name}" has '
-                    f"{self.n} joints"
-                )
+                raise shape_error(name, (*np.shape(q)[:-1], self.n), np.shape(x), owner_of(self))
         error = np.asarray(q_des - q, dtype=np.float64)
         if not self.wraps.any():
             return error
@@ -321,10 +319,7 @@ class Robot:
         Source: (15).
         """
         if np.shape(q)[-1:] != (self.n,):
-            raise ShapeError(
-                f'q: expected {self.n} columns, got shape {np.shape(q)}; robot "{self.name}" has '
-                f"{self.n} joints"
-            )
+            raise shape_error("q", f"(..., {self.n})", np.shape(q), owner_of(self))
         f = self.mimic
         everything = np.empty((*np.shape(q)[:-1], self.j))
         everything[..., self.free] = q
@@ -553,6 +548,25 @@ def check_robot(robot: object) -> None:
     if not isinstance(robot, Robot):
         found = type(robot).__name__
         raise ValueRangeError(f"robot: expected a Robot, got {found}; load_robot(...) makes one")
+
+
+def check_parameters(robot: Robot, parameters: Parameters) -> None:
+    """Refuse parameters that were made for another robot.
+
+    Raises:
+        ShapeError: They have other numbers of bodies or joints.
+    """
+    bodies, joints = len(parameters.mass), len(parameters.viscous)
+    if (bodies, joints) != (robot.b, robot.j):
+        raise ShapeError(
+            f"parameters: of {bodies} bodies and {joints} joints; robot "
+            f'"{robot.name}" has {robot.b} and {robot.j}'
+        )
+
+
+def owner_of(robot: Robot) -> str:
+    """Where the shape ``(n,)`` comes from, for messages: ``robot "arm6" has 6 joints``."""
+    return f'robot "{robot.name}" has {robot.n} joints'
 
 
 def _generator(rng: np.random.Generator | int) -> np.random.Generator:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.checks.files import kind_of_path
 from modrobust.checks.types import Array, Flags
 from modrobust.errors import DescriptionError, FileError
@@ -125,12 +125,11 @@ def _header(file: str | Path, line: int, names: list[str], joint_names: Sequence
     columns = names[1:]
     for name in columns:
         if name not in joint_names:
-            hint = did_you_mean(name, joint_names)
             raise DescriptionError(
                 file,
                 line,
                 "header",
-                f"no joint {shown(name)}; {hint}known: {', '.join(joint_names)}",
+                unknown_name(f"no joint {shown(name)}", name, joint_names),
             )
         if columns.count(name) > 1:
             raise DescriptionError(

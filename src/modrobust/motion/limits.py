@@ -40,7 +40,8 @@ def check_start(robot: Robot, q: tuple[str, Array], dq: tuple[str, Array]) -> No
 
     Args:
         robot: The robot.
-        q, dq: What the caller knows them as; positions and velocities ``(n,)``.
+        q: What the caller knows the positions as; positions ``(n,)`` [rad] or [m].
+        dq: The same of the velocities, ``(n,)`` [rad/s] or [m/s].
 
     Raises:
         ValueRangeError: Names the joint and its limits.

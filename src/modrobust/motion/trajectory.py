@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from modrobust import _kernel
-from modrobust.checks import as_integer, as_number, as_real, did_you_mean
+from modrobust.checks import as_integer, as_number, as_real, did_you_mean, shape_error, unknown_name
 from modrobust.checks.types import Array
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
-from modrobust.model import Robot
+from modrobust.model import Robot, owner_of
 from modrobust.motion.csv import read_trajectory_csv, unwrapped
 from modrobust.motion.spline import CubicSpline
 
@@ -401,9 +401,7 @@ def make_trajectory(
         duration = (own.duration if own is not None and of_default else None) or DEFAULT_DURATION
     trajectory = _make(robot, spec, duration)
     if trajectory.n != robot.n:
-        raise ShapeError(
-            f'trajectory: has {trajectory.n} joints; robot "{robot.name}" has {robot.n} joints'
-        )
+        raise ShapeError(f"trajectory: has {trajectory.n} joints; {owner_of(robot)}")
     return trajectory
 
 
@@ -451,7 +449,9 @@ def _from_settings(robot: Robot, duration: float) -> Trajectory:
         return Quintic(np.array(own.times), np.array(own.points), own.duration)
     if own.kind == "csv" and own.file is not None:
         return _splined(robot, own.file, own.duration)
-    raise ValueRangeError(f'trajectory: unknown kind "{own.kind}"; known: sines, quintic, csv')
+    raise ValueRangeError(
+        unknown_name(f'trajectory: no kind "{own.kind}"', own.kind, ("sines", "quintic", "csv"))
+    )
 
 
 def motion_time(trajectory: Trajectory) -> float | None:
@@ -489,7 +489,9 @@ def _rows(times: ArrayLike, points: ArrayLike) -> tuple[Array, Array]:
     t = _vector("times", times)
     q = np.array(as_real("trajectory points", points, f"shape ({len(t)}, n)"))
     if q.ndim != 2 or len(q) != len(t) or q.shape[1] == 0:
-        raise ShapeError(f"trajectory points: expected shape ({len(t)}, n), got {q.shape}")
+        raise shape_error(
+            "trajectory points", f"({len(t)}, n)", q.shape, f"there are {len(t)} times"
+        )
     if not np.isfinite(q).all():
         raise ValueRangeError("trajectory points: every number must be finite")
     if not (np.diff(t) > 0.0).all():

@@ -110,7 +110,8 @@ def find_divergence(
         controller: The gains of the run.
         hold: T, time between two commands [s].
         t: Logged instants ``(m,)`` [s].
-        q, dq: Positions and velocities, ``(m, n)``.
+        q: Positions, ``(m, n)`` [rad] or [m].
+        dq: Velocities, ``(m, n)`` [rad/s] or [m/s].
         error: Norm of the tracking error, ``(m,)``.
         rho: Worst cases (8), ``(m, n)``.
     """

@@ -81,7 +81,7 @@ def choose_steps(
 
 
 def friction_rate(robot: Robot, parameters: Parameters, positions: np.ndarray) -> float:
-    """lambda over positions ``(k, n)`` [1/s]; infinite where M cannot be computed."""
+    """Lambda over positions ``(k, n)`` [1/s]; infinite where M cannot be computed."""
     speed = robot.coulomb_speed
     slope = np.divide(parameters.coulomb, speed, out=np.zeros(robot.j), where=speed > 0.0)
     slope = slope + parameters.viscous

@@ -33,7 +33,7 @@ class Plant(Protocol):
     """A robot that another engine moves: positions q and velocities dq, ``(n,)``."""
 
     def step(self, q: Array, dq: Array, drive: Array, h: float) -> tuple[Array, Array]:
-        """q and dq after h [s] under the torques ``drive`` (n,), disturbance included, held."""
+        """Q and dq after h [s] under the torques ``drive`` (n,), disturbance included, held."""
 
 
 class _EnginePlant:
@@ -60,7 +60,7 @@ class _EnginePlant:
         raise NotImplementedError
 
     def step(self, q: Array, dq: Array, drive: Array, h: float) -> tuple[Array, Array]:
-        """q and dq after h [s] under the torques ``drive`` (n,), held."""
+        """Q and dq after h [s] under the torques ``drive`` (n,), held."""
         if self._implicit:
             return self._implicit_step(q, dq, drive, h)
         return runge_kutta(self._acceleration, q, dq, drive, h)

@@ -32,9 +32,13 @@ def remarks(
 
     Args:
         robot: Robot with n joints.
-        controller, loop: Settings of the run.
+        controller: Settings of the run's controller.
+        loop: Of its loop.
         duration: Of the run [s].
-        t, q, dq, tau: Logged instants (m,) [s], positions, velocities and torques (m, n).
+        t: Logged instants (m,) [s].
+        q: Positions (m, n) [rad] or [m].
+        dq: Velocities (m, n) [rad/s] or [m/s].
+        tau: Torques (m, n) [N m] or [N].
         noisy: See `modrobust.simulation.metrics.chattering`.
     """
     if is_noisy(loop):

@@ -262,9 +262,11 @@ class SimulationResult:
     @property
     @own_environment()
     def remarks(self) -> list[str]:
-        """What the verdict does not judge, one sentence each: of the motion, torques that chatter,
-        and positions and velocities beyond their limits, which the controller does not know. Of
-        the logged ticks. None of a run that diverged: what it did then follows from that.
+        """What the verdict does not judge, one sentence each; empty of a run that diverged.
+
+        Of the motion, torques that chatter, and positions and velocities beyond their limits, which
+        the controller does not know; of the logged ticks. What a run that diverged did follows
+        from that.
         """
         if self.diverged:
             return []

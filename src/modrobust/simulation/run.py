@@ -25,8 +25,7 @@ from numpy.typing import ArrayLike
 from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_number, did_you_mean
 from modrobust.checks.types import Array
-from modrobust.control import ControllerOptions, RobustController, settings_dict
-from modrobust.control.controller import RateWarning
+from modrobust.control import ControllerOptions, RateWarning, RobustController, settings_dict
 from modrobust.control.settings import kernel_loop, loop_dict
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
@@ -164,12 +163,13 @@ def simulate(
             many as the robot needs, and an implicit method where friction is too stiff for that.
         plant: What moves as the true robot: ``"builtin"``, or another engine, ``"mujoco"`` or
             ``"pinocchio"``, whose loop runs in Python; see `modrobust.simulation.plants`.
-        q0, dq0: State at the start, ``(n,)`` [rad], [rad/s]. When None: the description's
-            ``initial`` where its own trajectory is used, else on the trajectory.
+        q0: Positions at the start, ``(n,)`` [rad] or [m]. When None: the description's ``initial``
+            where its own trajectory is used, else on the trajectory.
+        dq0: Velocities at the start, ``(n,)`` [rad/s] or [m/s]; when None as ``q0``.
         initial_error: q_des - q at the start, ``(n,)``, or its norm, spread by the seed; instead of
             q0 [rad] or [m].
         disturbance: Constant true disturbance ``(n,)`` [N m] or [N]; overrides the drawn one.
-        options: Settings of the controller by name, as of `RobustController`.
+        **options: Settings of the controller by name, as of `RobustController`.
         progress: Called before the run and between chunks with simulated and total time [s].
 
     Returns:

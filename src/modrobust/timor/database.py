@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import did_you_mean, unknown_name
 from modrobust.checks.files import kind_of_path, reason
 from modrobust.errors import FileError
 from modrobust.formats import ListNode, MapNode, Node, ScalarNode, Where
@@ -26,6 +26,8 @@ _RIGID = 1e-6  # how far a rotation may be from orthonormal; databases have few 
 
 @dataclass(frozen=True, eq=False)
 class Body:
+    """A rigid body of a module: mass [kg], COM (3,) [m], tensor [kg m^2], and its connectors."""
+
     id: str
     mass: Fraction
     com: tuple[Fraction, ...]
@@ -37,6 +39,8 @@ class Body:
 
 @dataclass(frozen=True, eq=False)
 class Connector:
+    """Where another module can mount: its pose in the body's frame, and what it mounts on."""
+
     id: str
     pose: Transform
     gender: str
@@ -45,6 +49,11 @@ class Connector:
 
 
 def read_database(path: str | Path) -> str:
+    """The text of a module database, in which infinities have become null.
+
+    Raises:
+        FileError: It cannot be read, is no UTF-8 text, or is larger than `MAX_BYTES`.
+    """
     try:
         if kind_of_path(path) == "other":
             raise FileError(path, "is a pipe or a device; expected a file; save it as one")
@@ -62,6 +71,15 @@ def read_database(path: str | Path) -> str:
 
 
 def read_bodies(node: Node, name: str) -> dict[str, Body]:
+    """The bodies of a module by their ID.
+
+    Args:
+        node: The module.
+        name: What messages call it.
+
+    Raises:
+        DescriptionError: A body is wrong, or two have one ID.
+    """
     found: dict[str, Body] = {}
     for index, entry in enumerate(members(member(node, "bodies", name), f"{name}.bodies")):
         field = f"{name}.bodies[{index}]"
@@ -107,7 +125,9 @@ def _read_connector(node: Node, field: str) -> Connector:
     gender = text_of(node, "gender", field)
     known = {"f": "f", "female": "f", "m": "m", "male": "m", "h": "n", "hermaphroditic": "n"}
     if gender not in known:
-        raise node.where.error(f"{field}.gender", f'"{gender}" is none of {", ".join(known)}')
+        raise node.where.error(
+            f"{field}.gender", unknown_name(f"no gender {shown(gender)}", gender, known)
+        )
     return Connector(
         text_of(node, "ID", field),
         read_pose(member(node, "pose", field), f"{field}.pose"),
@@ -118,16 +138,27 @@ def _read_connector(node: Node, field: str) -> Connector:
 
 
 def member(node: Node, key: str, field: str) -> Node:
+    """What stands under a key.
+
+    Raises:
+        DescriptionError: The key is missing, or the node is no mapping.
+    """
     if isinstance(node, MapNode) and key in node.entries:
         return node.entries[key]
     raise node.where.error(field, f'no "{key}"; a Timor module database has it')
 
 
 def optional_member(node: Node, key: str) -> Node | None:
+    """What stands under a key, None where there is none."""
     return node.entries.get(key) if isinstance(node, MapNode) else None
 
 
 def members(node: Node, field: str, length: int | None = None) -> Sequence[Node]:
+    """The items of a list, which must have this length where one is given.
+
+    Raises:
+        DescriptionError: The node is no list, or of another length.
+    """
     if not isinstance(node, ListNode) or length not in (None, len(node.items)):
         wanted = "a list" if length is None else f"a list of {length}"
         raise node.where.error(field, f"not {wanted}; a Timor module database has one there")
@@ -135,6 +166,11 @@ def members(node: Node, field: str, length: int | None = None) -> Sequence[Node]
 
 
 def text_of(node: Node, key: str, field: str) -> str:
+    """The text under a key.
+
+    Raises:
+        DescriptionError: The key is missing, or a list or mapping stands there.
+    """
     entry = member(node, key, field)
     if not isinstance(entry, ScalarNode):
         raise entry.where.error(f"{field}.{key}", "not a text; a Timor module database has one")
@@ -142,11 +178,17 @@ def text_of(node: Node, key: str, field: str) -> str:
 
 
 def texts_of(node: Node) -> list[str]:
+    """The texts of a list, or the one text; lists and mappings in it are passed over."""
     items = node.items if isinstance(node, ListNode) else (node,)
     return [item.text for item in items if isinstance(item, ScalarNode)]
 
 
 def number(node: Node, field: str) -> str:
+    """A number as the database has it, digit by digit.
+
+    Raises:
+        DescriptionError: It is no finite number, or beyond `LARGEST`.
+    """
     text = _decimal(node, field)
     if abs(Fraction(text)) > LARGEST:
         raise node.where.error(field, f'"{text[:60]}" is beyond {LARGEST:g}; correct it')
@@ -176,6 +218,11 @@ def _numbers(node: Node, length: int, field: str) -> list[str]:
 
 
 def read_pose(node: Node, field: str) -> Transform:
+    """A homogeneous transform, (4, 4) with lengths in [m], in exact numbers.
+
+    Raises:
+        DescriptionError: It is no matrix of numbers, or its rotation is off by more than 1e-6.
+    """
     rows = [_numbers(row, 4, field) for row in members(node, field, 4)]
     matrix = np.array(rows, dtype=np.float64)
     if not is_rotation(matrix[:3, :3], _RIGID) or not np.array_equal(

@@ -60,7 +60,7 @@ def tensor(body: BodyItem) -> np.ndarray[Any, Any]:
     return given - body.mass.nominal * (c @ c * np.eye(3) - np.outer(c, c))
 
 
-def quantities(item: object) -> Iterator[Quantity]:
+def quantities(item: BodyItem | JointItem) -> Iterator[Quantity]:
     if isinstance(item, BodyItem):
         yield from (item.mass, *item.com, *item.inertia)
     if isinstance(item, JointItem):
@@ -172,7 +172,8 @@ def test_every_mass_of_a_real_module_has_bounds(name: str) -> None:
             f"modules/{name}.yaml: body {body.name}: its mass has no bound; write ± or tolerance:"
         )
         assert body.mass.lo <= body.mass.nominal <= body.mass.hi
-    exact = [item.name for item in module(name).items for q in quantities(item) if not q.bounded]
+    items: list[BodyItem | JointItem] = [*bodies(name), *joints(name)]
+    exact = [item.name for item in items for q in quantities(item) if not q.bounded]
     assert not exact, (
         f"modules/{name}.yaml: {sorted(set(exact))}: a parameter without bound; a real module has "
         "a bound on each, so write ±, [lo, hi] or tolerance:"

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import modrobust as mr
-from modrobust import _kernel
 from modrobust.model import Bounded, MimicJoints, Robot
 from support.random_robots import random_robot, tied
+from support.rounding import slack
+from support.states import State, state_of
 
 MULTIPLIER = np.array([-0.5, 2.0])
 OFFSET = np.array([0.3, -0.1])
@@ -55,13 +56,13 @@ def mimicking(robot: Robot) -> np.ndarray:
     return G
 
 
-def states(robot: Robot, seed: int = 1) -> list[tuple[list[np.ndarray], list[np.ndarray]]]:
+def states(robot: Robot, seed: int = 1) -> list[tuple[State, State]]:
     """The free joints' vectors and those of all joints."""
     rng = np.random.default_rng(seed)
     found = []
     for _ in range(20):
-        free = [rng.normal(size=4) for _ in range(4)]
-        full = [mimicking(robot) @ x for x in free]
+        free = state_of(rng.normal(size=(4, 4)))
+        full = state_of(mimicking(robot) @ x for x in free)
         full[0][robot.mimic.joints] += OFFSET
         found.append((free, full))
     return found
@@ -114,17 +115,11 @@ def test_the_slack_of_a_leader_holds_that_of_its_mimic_joints(seed: int) -> None
     G = np.zeros((6, 4))
     G[arm.free, range(4)] = 1.0
     G[f.joints, f.leaders] = f.multiplier
-    free = list(rng.normal(size=(4, 4)))
-    full = [G @ x for x in free]
+    free = state_of(rng.normal(size=(4, 4)))
+    full = state_of(G @ x for x in free)
     full[0][f.joints] += f.offset
     ours, apart = (
-        _kernel.bounds_slack(
-            robot.model,
-            *(point.packed for point in (robot.nominal, robot.lower, robot.upper)),
-            *map(np.ascontiguousarray, state),
-            False,
-        )
-        for robot, state in ((arm, free), (whole, full))
+        slack(robot, *state, drives=False) for robot, state in ((arm, free), (whole, full))
     )
     grown = ours / (np.abs(G).T @ apart)
     assert 1.0 < grown[0] < 1.5

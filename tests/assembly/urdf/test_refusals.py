@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -338,7 +339,7 @@ def test_a_fault_of_the_robot_is_refused_at_its_line(tmp_path: Path, fault: str)
     assert refusal(written(tmp_path, text)) == message
 
 
-OPTIONS = {
+OPTIONS: dict[str, tuple[dict[str, Any], str]] = {
     "base that is not there": (
         {"base": "bas"},
         'base_link: no link named "bas"; did you mean "base"? known: base, arm',
@@ -387,7 +388,7 @@ OPTIONS = {
 @pytest.mark.parametrize("fault", OPTIONS)
 def test_a_fault_of_an_argument_names_the_argument(tmp_path: Path, fault: str) -> None:
     options, message = OPTIONS[fault]
-    told = refusal(written(tmp_path, GOOD), **options)  # type: ignore[arg-type]
+    told = refusal(written(tmp_path, GOOD), **options)
     assert told.endswith(message)
     assert told.startswith((*options, ":4: link arm"))
     assert "--" not in told

@@ -105,9 +105,8 @@ def test_pitch_is_not_transposed(tmp_path: Path) -> None:
     inside = '<origin rpy="0 0.5 0"/><axis xyz="0 0 1"/>' + LIMIT
     arm = mr.load_robot(written(tmp_path, two_links(inside)))
     c, s = math.cos(0.5), math.sin(0.5)
-    np.testing.assert_allclose(
-        arm.before[0, :3, :3], [[c, 0, s], [0, 1, 0], [-s, 0, c]], atol=1e-15
-    )
+    turned = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    np.testing.assert_allclose(arm.before[0, :3, :3], turned, atol=1e-15)
 
 
 def test_a_body_keeps_the_frame_that_makes_its_figures_exact(tmp_path: Path) -> None:
@@ -438,6 +437,6 @@ def test_branches_of_a_robot_hang_on_the_link_that_they_leave(tmp_path: Path) ->
     def shown(nodes: tuple[ModuleNode, ...]) -> list[object]:
         return [(node.instance, shown(node.children)) for node in nodes]
 
-    arm = ("b", [("c", [])])
-    other = ("d", [("e", []), ("f", [])])
+    arm: object = ("b", [("c", [])])
+    other: object = ("d", [("e", []), ("f", [])])
     assert shown(loaded.modules) == [("base", []), ("a", [arm, other])]

@@ -22,6 +22,7 @@ from support.containment.extreme_points import monomials, parameter_points
 from support.containment.extreme_states import Signals, auxiliary
 from support.containment.kernel_answers import Bound, Query, answers
 from support.containment.written_robots import Written, exact_robot
+from support.states import doubles
 
 PRECISION = 320  # [bits]; a product of three doubles and a sum of many are far within
 WIDEST = 5120  # tried once more where a comparison cannot be decided
@@ -131,7 +132,7 @@ def _state(robot: Robot, query: Query, as_given: bool) -> State:
 
 
 def exact_errors(robot: Robot, signals: Signals) -> list[arb]:
-    """e of (4) with the whole turns that the kernel chose, and 2 pi itself."""
+    """The error e of (4) with the whole turns that the kernel chose, and 2 pi itself."""
     found = robot.tracking_error(signals.q, signals.q_des)
     errors = []
     for q, q_des, e, wraps in zip(signals.q, signals.q_des, found, robot.wraps, strict=True):
@@ -223,7 +224,7 @@ def _check_rounding(
     outcome: Outcome,
 ) -> None:
     """|NE* in doubles - exact| stays within the bound that the kernel states."""
-    state = [np.ascontiguousarray(x, dtype=float) for x in query.vectors()]
+    state = doubles(query.vectors())
     for k, point in enumerate(points):
         name = "smooth" if k % 2 else "bodies"
         tau, error = _kernel.inverse_dynamics_rounding(robot.model, point, *state, bool(k % 2))

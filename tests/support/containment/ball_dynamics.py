@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from flint import arb
 
@@ -92,7 +92,7 @@ class _Link(NamedTuple):
     a: Vector
 
 
-def ball_pose(T: Sequence[Sequence[float]]) -> Pose:
+def ball_pose(T: Any) -> Pose:
     """The doubles of a 4x4 transform."""
     R = tuple(arb(float(T[i][k])) for i in range(3) for k in range(3))
     return Pose(R, tuple(arb(float(T[i][3])) for i in range(3)))  # type: ignore[arg-type]
@@ -185,27 +185,30 @@ def _forward(
     robot: BallRobot, q: list[arb], dq: list[arb], dq_a: list[arb], ddq_a: list[arb]
 ) -> list[_Link]:
     g = robot.gravity
-    base = (-g[0], -g[1], -g[2])  # 3
+    base = (-g[0], -g[1], -g[2])  # A1:3
     links: list[_Link] = []
-    for i, h in enumerate(robot.parents):  # 11
+    for i, h in enumerate(robot.parents):  # A1:11
         A, B = robot.after[i], robot.before[i]
-        z: Vector = A.R[6:9]  # 8: A' z0
-        p = back(A.R, A.p)  # 9
+        z: Vector = A.R[6:9]  # A1:8: A' z0
+        p = back(A.R, A.p)  # A1:9
         turned = A.R
         if robot.prismatic[i]:
             p = add(p, scale(q[i], z))
         else:
             s, c = q[i].sin_cos()
             x, y = A.R[0:3], A.R[3:6]
-            rows = [c * x[k] - s * y[k] for k in range(3)] + [s * x[k] + c * y[k] for k in range(3)]
-            turned = (*rows, *z)
-        R = product(B.R, turned)  # 6
+            turned = (
+                *(c * x[0] - s * y[0], c * x[1] - s * y[1], c * x[2] - s * y[2]),
+                *(s * x[0] + c * y[0], s * x[1] + c * y[1], s * x[2] + c * y[2]),
+                *z,
+            )
+        R = product(B.R, turned)  # A1:6
         if h < 0:
             w = wa = dw = ZERO
             a = back(R, base)
         else:
             up = links[h]
-            w, wa, dw = back(R, up.w), back(R, up.wa), back(R, up.dw)  # 18 to 20
+            w, wa, dw = back(R, up.w), back(R, up.wa), back(R, up.dw)  # A1:18 to A1:20
             a = back(R, _carried(up.a, up.w, up.wa, up.dw, B.p))
         if robot.prismatic[i]:  # the end of 21
             a = add(a, scale(dq[i], cross(wa, z)))
@@ -215,7 +218,7 @@ def _forward(
             dw = add(add(dw, scale(ddq_a[i], z)), scale(dq[i], cross(wa, z)))  # 15
             w = add(w, scale(dq[i], z))  # 13
             wa = add(wa, scale(dq_a[i], z))  # 14
-        a = _carried(a, w, wa, dw, p)  # 16, 21
+        a = _carried(a, w, wa, dw, p)  # A1:16, A1:21
         links.append(_Link(R, p, z, w, wa, dw, a))
     return links
 
@@ -232,8 +235,8 @@ def _body_motion(
 def _transposed(robot: BallRobot, links: list[_Link], i: int) -> dict[int, tuple[Vector, Vector]]:
     """Of each link that joint i carries: the rows (on force, on moment) that make joint i's torque.
 
-    The algorithm adds a link's own wrench (f, n) and p x f (line 30), takes z . n or z . f (lines
-    32, 34), and hands R f and R n + b x (R f) to the parent (lines 28, 29).
+    The algorithm adds a link's own wrench (f, n) and p x f (A1:30), takes z . n or z . f (A1:32,
+    A1:34), and hands R f and R n + b x (R f) to the parent (A1:28, A1:29).
     """
     rows: dict[int, tuple[Vector, Vector]] = {}
     for k in range(i, len(links)):
@@ -258,8 +261,8 @@ def _body_row(
 ) -> list[arb]:
     """One body's 16 coefficients in one torque.
 
-    F = m (a + L c), lines 23 and 27; moment about the body frame's origin c x F + I dw
-    + wa x (I w), lines 29 and 30; both turned into the link's axes, F with the lever of T. Of a
+    F = m (a + L c), A1:23 and A1:27; moment about the body frame's origin c x F + I dw
+    + wa x (I w), A1:29 and A1:30; both turned into the link's axes, F with the lever of T. Of a
     tensor J about that origin I = J - m (c'c 1 - c c') is what the lines ask for: for
     S = c'c 1 - c c', S dw = c x (dw x c) and wa x (S w) = c'c (wa x w) - wa x c (c . w), so that of
     c x L c - S dw - wa x (S w) only c'c (w x wa) is left.

@@ -77,7 +77,7 @@ def _extreme_bodies(robot: Robot, f: Any) -> Any:
 
 
 def _extreme_drives(robot: Robot, f: Any, options: list[list[arb]]) -> tuple[Any, list[list[arb]]]:
-    """rotor inertia, viscous, coulomb of largest torque under f (rows, j, 3); and the signs."""
+    """Rotor inertia, viscous, coulomb of largest torque under f (rows, j, 3); and the signs."""
     up = f >= 0.0
     lower, upper = robot.lower, robot.upper
     rotor = np.where(up[..., 2], upper.rotor_inertia, lower.rotor_inertia)
@@ -90,7 +90,7 @@ def _extreme_drives(robot: Robot, f: Any, options: list[list[arb]]) -> tuple[Any
 
 
 def _mass_and_com(f: Any, mass: Any, com: Any) -> tuple[Any, Any]:
-    """m and c of largest m (k + g . c + c' Q c), by ascent along the axes from every corner."""
+    """Mass and COM of largest m (k + g . c + c' Q c): ascent along the axes from every corner."""
     (m_lo, m0, m_hi), (c_lo, c0, c_hi) = mass, com
     Q = np.empty((*f.shape[:-1], 3, 3))
     for at, (i, k) in enumerate(((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))):

@@ -6,14 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 import modrobust as mr
 from modrobust import _kernel
 from modrobust.control import RobustController
 from modrobust.kernel import BOUNDS
 from modrobust.model import Robot
 from support.containment.extreme_states import Signals
+from support.states import doubles
 
 
 @dataclass(frozen=True)
@@ -61,5 +60,4 @@ def answers(robot: Robot, query: Query, as_given: bool) -> Iterator[Bound]:
 def bounds_slack(robot: Robot, query: Query, drives: bool) -> Any:
     """What the hull of the torques holds for rounding, (n,)."""
     box = (robot.nominal.packed, robot.lower.packed, robot.upper.packed)
-    state = [np.ascontiguousarray(x, dtype=float) for x in query.vectors()]
-    return _kernel.bounds_slack(robot.model, *box, *state, drives)
+    return _kernel.bounds_slack(robot.model, *box, *doubles(query.vectors()), drives)

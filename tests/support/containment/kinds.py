@@ -13,6 +13,7 @@ from modrobust import _kernel
 from modrobust.model import Robot
 from support.containment.extreme_states import Signals, auxiliary
 from support.containment.written_robots import Written
+from support.states import doubles
 
 # Least share of all states that the kernel answered; about half of what 100,000 cases have.
 LEAST = {
@@ -171,8 +172,9 @@ def kinds_of_state(robot: Robot, signals: Signals) -> set[str]:
     moving = rates[rates > 0.0]
     turns = q[free] / (np.pi / 2)
     state = (signals.q, signals.dq, *auxiliary(robot, signals))
-    vectors = (np.ascontiguousarray(x, dtype=float) for x in state)
-    u0, error = _kernel.inverse_dynamics_rounding(robot.model, robot.nominal.packed, *vectors, True)
+    u0, error = _kernel.inverse_dynamics_rounding(
+        robot.model, robot.nominal.packed, *doubles(state), True
+    )
     found = {
         "at rest": not dq.any() and not dq_des.any(),
         "one joint moves": robot.n > 2 and np.count_nonzero(dq + dq_des + ddq_des) == 1,

@@ -85,15 +85,15 @@ def box(
         ):
             for point, value in zip(points, triple, strict=True):
                 point[name].append(value)
-    arrays = [{k: np.array(v) for k, v in point.items()} for point in points]
+    arrays = [{k: np.array(v) for k, v in lists.items()} for lists in points]
     for name, usual in (("rotor_inertia", 1e-5), ("viscous", 10.0), ("coulomb", 5.0)):
         kind = str(rng.choice(KINDS, p=SHARES))
         nominal = np.array([magnitude(rng, usual, 6.0) for _ in range(j)])
         nominal = nominal * (rng.random(j) < (0.2 if sparse else 0.8))
         lo, hi = sides(rng, nominal, 0.0 if sparse else usual, kind)
-        for point, value in zip(arrays, (nominal, np.maximum(lo, 0.0), hi), strict=True):
-            point[name] = value
-    nominal_point, lower, upper = (Parameters(**point) for point in arrays)
+        for packed, value in zip(arrays, (nominal, np.maximum(lo, 0.0), hi), strict=True):
+            packed[name] = value
+    nominal_point, lower, upper = (Parameters(**packed) for packed in arrays)
     return nominal_point, lower, upper
 
 

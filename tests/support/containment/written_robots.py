@@ -54,8 +54,7 @@ def nearest(x: arb) -> float:
     for whole in (0, 1, -1):
         if x.contains(arb(whole)):
             return float(whole)
-    man, exp = x.mid().man_exp()
-    man, exp = int(man), int(exp)
+    man, exp = (int(part) for part in x.mid().man_exp())
     return float(man << exp) if exp >= 0 else man / (1 << -exp)  # int / int rounds correctly
 
 

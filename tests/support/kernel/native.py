@@ -120,7 +120,8 @@ def compile_objects(
 
     def compile_one(pair: tuple[Path, str]) -> None:
         source, target = pair
-        command = [path, *FLAGS, "-fPIC", *flags, "-I", FOLDER, "-c", source, "-o", target]
+        command: list[str | Path] = [path, *FLAGS, "-fPIC", *flags, "-I", FOLDER]
+        command += ["-c", source, "-o", target]
         subprocess.run(command, check=True)
 
     with ThreadPoolExecutor(2) as pool:
@@ -133,7 +134,7 @@ def build(name: str, flags: Sequence[str], out: Path) -> Path:
     library = out / "kernel.so"
     objects = compile_objects(name, flags, sorted(FOLDER.glob("*.c")), out)
     linking = [flag for flag in flags if flag.startswith("-fsanitize")]
-    command = [compiler(name), "-shared", *linking, *objects, "-lm", "-o", library]
+    command = [compiler(name), "-shared", *linking, *objects, "-lm", "-o", str(library)]
     subprocess.run(command, check=True)
     return library
 
@@ -152,7 +153,7 @@ class Memory:
             libc.free(address)
 
     def _allocate(self, data: bytes) -> int:
-        address = libc.malloc(len(data))
+        address: int | None = libc.malloc(len(data))
         if address is None:
             raise MemoryError(f"{len(data)} bytes")
         ctypes.memmove(address, data, len(data))

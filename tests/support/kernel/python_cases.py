@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from modrobust.simulation import true_robot
 from modrobust.timor import import_timor
 from support.kernel.kernel_cases import outcome
 from support.random_robots import random_robot, tied
+from support.states import State, state_of
 
 TINY = np.array([3], np.uint32).view(np.float32)[0]  # subnormal, and made without arithmetic
 
@@ -37,11 +39,13 @@ def from_python(folder: Path, run: Callable[..., Any] = outcome) -> dict[str, An
     out = {}
     for name in builtin_robots():
         out[f"load {name}"] = run(lambda name=name: resolved(mr.load_robot(name)))
-    bounds = {
-        "tolerance": "mass=5%,com=3mm,inertia=7%",
-        "payload": "mass=[0 kg, 0.7 kg], com=[0, 0.1 m, 0]",
-    }
-    out["load URDF"] = run(lambda: resolved(mr.load_robot(folder / "small.urdf", **bounds)))
+    urdf = partial(
+        mr.load_robot,
+        folder / "small.urdf",
+        tolerance="mass=5%,com=3mm,inertia=7%",
+        payload="mass=[0 kg, 0.7 kg], com=[0, 0.1 m, 0]",
+    )
+    out["load URDF"] = run(lambda: resolved(urdf()))
     out["catalogue"] = run(lambda: repr(catalogue()))
     out["Timor"] = run(lambda: repr(import_timor(folder / "modules.json")))
     out["synthetic"] = run(lambda: resolved(synthetic_chain(4, 0.03)))
@@ -54,7 +58,7 @@ def of_a_robot(seed: int, run: Callable[..., Any]) -> dict[str, Any]:
     """The same of a random robot, made anew so that nothing of it is cached."""
     rng = np.random.default_rng(seed)
     robot = tied(random_robot(rng, 4), 1, rng)
-    state = rng.normal(size=(4, robot.n))
+    state = state_of(rng.normal(size=(4, robot.n)))
     box = robot.nominal.packed, robot.lower.packed, robot.upper.packed
     out = {}
 
@@ -65,24 +69,24 @@ def of_a_robot(seed: int, run: Callable[..., Any]) -> dict[str, Any]:
     out["model"] = 0, bounds_of(made)
     _, bare = run(model_maker(robot))
     out["kernel model"] = 0, bounds_of(bare)
-    narrow = np.float32(rng.normal(size=robot.n))
+    narrow: Any = rng.normal(size=robot.n).astype(np.float32)
     narrow[0] = TINY
-    strange = {
+    strange: dict[str, Any] = {
         "float32": narrow,
         "list of float32": [*narrow[:-1], 0.1],
         "int64": np.array([2**60 + 1, *range(robot.n - 1)]),
         "long double": np.full(robot.n, 1 / np.longdouble(3)),
     }
+
+    def batch(many: State) -> bytes:
+        return data(mr.inverse_dynamics_bounds_batch(robot, *many, threads=2))
+
     q, dq, dq_a, _ = state
     for name, ddq_a in strange.items():
         out[name] = run(lambda a=ddq_a: data(mr.inverse_dynamics_bounds(robot, q, dq, dq_a, a)))
-        many = [np.tile(x, (9, 1)) for x in (q, dq, dq_a)]
-        out[f"{name} batch"] = run(
-            lambda many=many, a=ddq_a: data(
-                mr.inverse_dynamics_bounds_batch(robot, *many, [a] * 9, threads=2)
-            )
-        )
-    tenth = np.float32(0.1)
+        many = state_of([*(np.tile(x, (9, 1)) for x in (q, dq, dq_a)), [ddq_a] * 9])
+        out[f"{name} batch"] = run(partial(batch, many))
+    tenth: Any = np.float32(0.1)
     out["number"] = run(lambda: data(as_number("x", TINY)))
     out["Bounded"] = run(lambda: data(Bounded(narrow, narrow, narrow).nominal))
     out["MimicJoints"] = run(
@@ -94,13 +98,14 @@ def of_a_robot(seed: int, run: Callable[..., Any]) -> dict[str, Any]:
     out["physical corner"] = run(lambda: data(robot.physical_corner("corner", seed)[0].packed))
     out["true disturbance"] = run(lambda: data(true_robot(robot, seed=seed).disturbance))
     out["positions"] = run(lambda: data(robot.all_positions(q)))
-    out["found"] = run(lambda: data(found_range(robot, *state[:, None])))
+    out["found"] = run(lambda: data(found_range(robot, *state_of(x[None] for x in state))))
     out["URDF"] = run(lambda: urdf_text(robot).text)
     out["MJCF"] = run(lambda: mjcf_text(robot).text)
     instants = np.linspace(0.0, 2.0, 50)
     out["motion"] = run(lambda: data(default_trajectory(robot, 2.0, seed).sample(instants)))
+    times: Any = np.arange(4)
     points = rng.normal(size=(4, 3))
-    out["spline"] = run(lambda: data(Splined(np.arange(4), points).sample(instants)))
+    out["spline"] = run(lambda: data(Splined(times, points).sample(instants)))
     out["run"] = run(lambda: run_of(robot))
     return out
 
@@ -122,7 +127,7 @@ def data(values: Any) -> bytes:
     return np.array(values).tobytes()
 
 
-def by_model(model: _kernel.Model, box: tuple[Any, ...], state: Any) -> bytes:
+def by_model(model: _kernel.Model, box: tuple[Any, Any, Any], state: State) -> bytes:
     """What tells two models apart: torques and both kinds of bound."""
     tau = _kernel.inverse_dynamics(model, box[0], *state, True)
     bounds = [

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from modrobust.assembly.modules.connectors import incompatibility
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.checks.files import kind_of_path
 from modrobust.errors import FileError
 from modrobust.formats import Module, Where, load_module
@@ -88,8 +88,8 @@ class Library:
             known = sorted(self._files)
             raise where.error(
                 field,
-                f'no module named "{module}"; {did_you_mean(module, known)}'
-                f"known: {', '.join(known)} (looked in {' and '.join(self._looked_in)})",
+                unknown_name(f'no module named "{module}"', module, known)
+                + f" (looked in {' and '.join(self._looked_in)})",
             )
         return self._files[module]
 

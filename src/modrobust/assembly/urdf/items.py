@@ -52,9 +52,9 @@ def is_point(link: Link, overlay: LinkOverlay | None) -> bool:
 def read_body(
     link: Link, overlay: LinkOverlay | None, tolerances: Tolerances
 ) -> tuple[Masses, Six, str, bool, bool]:
-    """Mass and COM, tensor, what it is about, whether its frame is the inertial frame, whether its
-    box needs no note.
+    """Mass and COM, tensor, what it is about, and two flags.
 
+    The first flag: the body's frame is the inertial frame. The second: its box needs no note.
     Figures that no rigid body has are taken as written: `Robot.unphysical`.
 
     The body frame is the link frame where the inertial is not rotated against it or the overlay

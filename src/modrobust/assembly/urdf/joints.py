@@ -19,7 +19,7 @@ from modrobust.assembly.urdf.values import (
     three,
 )
 from modrobust.assembly.urdf.xml import Element
-from modrobust.checks import did_you_mean
+from modrobust.checks import did_you_mean, unknown_name
 from modrobust.formats import Where
 from modrobust.formats.faults import Faults
 from modrobust.formats.nodes import shown
@@ -99,10 +99,7 @@ class JointReader:
         kind = element.attributes.get("type", "")
         if kind not in JOINT_TYPES:
             found = f"type {shown(kind)}" if kind else 'no "type"'
-            raise element.where.error(
-                owner,
-                f"{found}; {did_you_mean(kind, JOINT_TYPES)}known: {', '.join(JOINT_TYPES)}",
-            )
+            raise element.where.error(owner, unknown_name(found, kind, JOINT_TYPES))
         ends = {"parent": "", "child": ""}
         for end in ends:
             with self.faults.caught():

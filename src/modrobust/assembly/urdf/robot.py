@@ -27,7 +27,7 @@ from modrobust.assembly.urdf.mimic import within_mimic_limits
 from modrobust.assembly.urdf.reader import Description, Inertial, Items, read_items, read_structure
 from modrobust.assembly.urdf.tree import MOVING, Selection, select
 from modrobust.assembly.urdf.unmodelled import remark
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.errors import DescriptionError
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.tolerance import Tolerances
@@ -146,8 +146,7 @@ def _check_overlays(description: Description, source: UrdfSource) -> None:
             if name not in known:
                 raise overlay.where.error(
                     f"{kind}s.{name}",
-                    f'no {kind} named "{name[:80]}"; {did_you_mean(name, known)}'
-                    f"known: {', '.join(known)}",
+                    unknown_name(f'no {kind} named "{name[:80]}"', name, known),
                 )
 
 

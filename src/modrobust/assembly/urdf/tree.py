@@ -18,7 +18,7 @@ from fractions import Fraction
 
 from modrobust.assembly.urdf.joints import Joint
 from modrobust.assembly.urdf.reader import Description
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.formats import Node, ScalarNode
 from modrobust.formats.quantity import parse_angle, parse_exact
 from modrobust.model.geometry import IDENTITY, Transform, rotation_z, translation
@@ -97,11 +97,8 @@ def _link(description: Description, node: ScalarNode | None, field: str) -> str 
     if node is None:
         return None
     if node.text not in description.links:
-        known = list(description.links)
         raise node.where.error(
-            field,
-            f'no link named "{node.text[:80]}"; {did_you_mean(node.text, known)}'
-            f"known: {', '.join(known)}",
+            field, unknown_name(f'no link named "{node.text[:80]}"', node.text, description.links)
         )
     return node.text
 
@@ -133,9 +130,7 @@ def _locked(description: Description, lock: Mapping[str, Node]) -> dict[str, Fra
         if joint is None:
             known = [joint.name for joint in description.joints.values() if joint.type in MOVING]
             raise node.where.error(
-                field,
-                f'no joint named "{name[:80]}"; {did_you_mean(name, known)}'
-                f"known: {', '.join(known)}",
+                field, unknown_name(f'no joint named "{name[:80]}"', name, known)
             )
         if joint.type not in MOVING:
             raise node.where.error(
@@ -314,6 +309,8 @@ def _leader(
     """Index of the free joint at the end of a chain of mimics, multiplier and offset to it.
 
     Args:
+        description: The URDF with all its joints.
+        joint: The joint that mimics.
         at: Name of each free joint to its index.
     """
     multiplier, offset, last = Fraction(1), Fraction(0), joint

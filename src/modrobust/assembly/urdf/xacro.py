@@ -10,7 +10,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import unknown_name
 from modrobust.errors import DescriptionError, FileError, MissingExtraError
 
 _SECONDS = 30.0  # [s]
@@ -115,10 +115,8 @@ def _reason(stderr: str) -> str:
     unused = re.search(r"unused argument <([^>]*)> of <([^>]*)>", stderr)
     if unused:
         known = unused[2].split()
-        return (
-            f'no xacro argument "{unused[1]}"; {did_you_mean(unused[1], known)}'
-            f"known: {', '.join(known) or 'none'}; correct or remove it"
-        )
+        told_name = unknown_name(f'no xacro argument "{unused[1]}"', unused[1], known)
+        return f"{told_name}; correct or remove it"
     lines = [line.strip() for line in stderr.splitlines()]
     told = [line for line in lines if line and not line.startswith(_FRAMES)]
     said = (told[-1] if told else "no message")[:300]

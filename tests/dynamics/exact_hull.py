@@ -1,4 +1,4 @@
-"""The exact range of the torque over the parameter box, slowly and by brute force.
+"""The exact range of the torque over the parameter box again, slowly: a check of `exact_range`.
 
 Per body and joint the torque is m times a quadratic in the centre of mass plus a linear form in the
 inertia. The coefficients are read off the oracle by evaluating it (no formula of the kernel is
@@ -80,7 +80,7 @@ def exact_bounds(
     q, dq, dq_a, ddq_a = (np.asarray(x, dtype=LONG) for x in (q, dq, dq_a, ddq_a))
     zero3, zero33, unit = np.zeros(3), np.zeros((3, 3)), np.eye(3)
     total = Interval(np.zeros(robot.n, dtype=LONG), np.zeros(robot.n, dtype=LONG))
-    for body in np.flatnonzero(robot.body_joints >= 0):
+    for body in np.flatnonzero(robot.body_joints >= 0).tolist():
         one = alone(robot, body)
 
         def torque(mass: float, com: Any, inertia: Any, one: Robot = one) -> Any:

@@ -20,7 +20,8 @@ from ruamel.yaml import YAML
 BITS = 300
 PI = Fraction("3.14159265358979323846264338327950288419716939937510")
 RIGHT = {float(k * PI / 2): k for k in range(-16, 17)}
-UNITS = {"": 1, "m": 1, "rad": 1, "mm": Fraction(1, 1000), "cm": Fraction(1, 100)}
+UNITS: dict[str, int | Fraction] = {"": 1, "m": 1, "rad": 1}
+UNITS |= {"mm": Fraction(1, 1000), "cm": Fraction(1, 100)}
 NUMBER = re.compile(r"([+-]?)\s*(.*?[\dpi])\s*(m|mm|cm|rad|deg|°)?")
 FRAMES = ("before", "after", "placement", "base")
 
@@ -167,7 +168,7 @@ def _mount(
 ) -> None:
     used: set[str] = set()
     for item in chain:
-        entry = {"module": item} if isinstance(item, str) else item
+        entry: dict[str, Any] = {"module": item} if isinstance(item, str) else item
         if "module" not in entry:
             kind = next(key for key in ("joint", "body", "frame") if key in entry)
             name = prefix + entry[kind]
@@ -226,7 +227,7 @@ def origin(element: ElementTree.Element | None) -> flint.arb_mat:
 
 
 def to_axis(element: ElementTree.Element) -> flint.arb_mat:
-    """z to the axis, by the formula of Duff et al. 2017."""
+    """The rotation of z to the axis, by the formula of Duff et al. 2017."""
     x, y, z = (length(text) for text in three(element.find("axis"), "xyz", "1 0 0"))
     norm = (x * x + y * y + z * z).sqrt()
     x, y, z = x / norm, y / norm, z / norm
