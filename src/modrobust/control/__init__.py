@@ -4,13 +4,17 @@ The laws are computed in C, ``mr_command``; gains of the law ``auto`` come from 
 """
 
 from modrobust.control.controller import Command, RateWarning, RobustController
-from modrobust.control.settings import ControllerOptions, PerJoint, settings_dict
+from modrobust.control.rate import RateNeed, needed_rate
+from modrobust.control.settings import AUTO, ControllerOptions, PerJoint, settings_dict
 
 __all__ = [
+    "AUTO",
     "Command",
     "ControllerOptions",
     "PerJoint",
+    "RateNeed",
     "RateWarning",
     "RobustController",
+    "needed_rate",
     "settings_dict",
 ]

@@ -20,7 +20,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,14 +36,11 @@ from modrobust.control.settings import (
     checked_settings,
     make_kernel_controller,
 )
-from modrobust.design.points import central_parameters, light_parameters
+from modrobust.design import Design, central_parameters, design, light_parameters
 from modrobust.errors import ModrobustError, ValueRangeError
 from modrobust.kernel import own_environment, status_error
 from modrobust.model import ControllerSettings, LoopSettings, Robot, check_robot
 from modrobust.motion import Trajectory, make_trajectory
-
-if TYPE_CHECKING:
-    from modrobust.design.gains import Design
 
 SOLVER_ERROR = 1e-6  # [rad s]: the usual absolute tolerance of ODE solvers
 
@@ -141,6 +138,7 @@ class RobustController:
         self.kernel = self._kernel_of(None)
         self._motion = motion
         self._before: _kernel.Controller | None = None  # of the payload used until now
+        self._ticks = 0  # that `step` has done
         if rate is not None or loop is not None:
             need = self.rate_need
             if need is not None and need.warning is not None:
@@ -230,6 +228,35 @@ class RobustController:
             *(kernel.rho_norm, kernel.integral_rate, kernel.alpha),
         )
 
+    def step(
+        self,
+        q: ArrayLike,
+        dq: ArrayLike,
+        q_des: ArrayLike,
+        dq_des: ArrayLike,
+        ddq_des: ArrayLike,
+    ) -> Command:
+        """The command of the next tick, `period` after the last: for a loop of one's own.
+
+        The first one is at time 0. Torques of the law ``sampled`` stay within the effort limits.
+
+        Args:
+            q: Measured positions, ``(n,)`` [rad] or [m].
+            dq: Measured velocities, ``(n,)`` [rad/s] or [m/s].
+            q_des: Desired positions now, ``(n,)`` [rad] or [m].
+            dq_des: Desired velocities, ``(n,)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations, ``(n,)`` [rad/s^2] or [m/s^2].
+
+        Raises:
+            ShapeError: A vector does not have ``n`` entries.
+            ValueRangeError: As for `command`.
+
+        Source: (3) to (8) of [GA17], (29), (31) to (34); kernel twin ``mr_command``.
+        """
+        answer = self.command(self._ticks / self.loop.rate, q, dq, q_des, dq_des, ddq_des)
+        self._ticks += 1
+        return answer
+
     def torque(
         self,
         q: ArrayLike,
@@ -297,7 +324,7 @@ class RobustController:
         Source: our own, (34).
         """
         self.kernel.reset()
-        self._before = None
+        self._before, self._ticks = None, 0
         if q is not None and self.settings.law == "sampled":
             place = self._signals((), q=q)["q"]
             memory = np.zeros(4 * self.robot.n)
@@ -418,8 +445,6 @@ def chosen(
     robot: Robot, settings: ControllerSettings, loop: LoopSettings, motion: Trajectory | None
 ) -> Design:
     """The design of the law ``auto``; what the settings say beside the gains stands."""
-    from modrobust.design.gains import design
-
     if motion is None and robot.trajectory is not None:
         motion = make_trajectory(robot, None)
     return design(robot, loop, epsilon=settings.epsilon, motion=motion)
