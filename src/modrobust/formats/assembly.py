@@ -143,7 +143,8 @@ def _directories(model: AssemblyModel, directory: Path) -> tuple[Path, ...]:
             where = model.where if place is None else place.where
             raise where.error(
                 "modules",
-                f'no directory "{folder}"; directories are relative to this file; correct it',
+                f'no directory "{folder}"; directories are relative to this file; make it or '
+                "name another",
             )
     return found
 
@@ -197,7 +198,7 @@ def xacro_arguments(given: Mapping[str, Node]) -> dict[str, str]:
             raise node.where.error(
                 field,
                 "not a name; names of xacro arguments are letters, digits and _, and begin with a "
-                "letter; correct it",
+                "letter; rename it",
             )
         if not isinstance(node, ScalarNode):
             raise node.where.error(field, f"{kind_of(node)}; an argument is a text; write one")
@@ -261,7 +262,7 @@ def read_payload(model: PayloadModel, notes: list[str]) -> Payload:
                 raise edge.where.error(
                     edge.field,
                     f"{float(edge.ends()[0].middle):g} m is not positive; the edge of a box is "
-                    "above 0, its lower bound too; correct it",
+                    "above 0, its lower bound too; write a positive length",
                 )
         entries = box_body(masses.mass, size, model.size.where, "payload.size")
         xx, xy, xz, yy, yz, zz = (entry.quantity() for entry in entries)
@@ -348,7 +349,7 @@ def _at_least(node: Node | None, dimension: str, field: str, least: float) -> fl
         return None
     value = parse_point(node, dimension, field)
     if value < least:
-        raise node.where.error(field, f"{value:g} is negative; it is at least 0; correct it")
+        raise node.where.error(field, f"{value:g} is negative; it is at least 0; write 0 or more")
     return value
 
 
@@ -357,5 +358,7 @@ def _above_zero(node: Node | None, dimensions: str | tuple[str, ...], field: str
         return None
     value = parse_point(node, dimensions, field)
     if value <= 0:
-        raise node.where.error(field, f"{value:g} is not positive; it must be above 0; correct it")
+        raise node.where.error(
+            field, f"{value:g} is not positive; it must be above 0; write a positive number"
+        )
     return value

@@ -82,7 +82,9 @@ class PerJoint:
         )
         if self.positive and quantity.nominal <= 0:
             raise node.where.error(
-                field, f"{quantity.nominal:g} is not positive; it must be above 0; correct it"
+                field,
+                f"{quantity.nominal:g} is not positive; it must be above 0; write "
+                "a positive number",
             )
         return quantity
 

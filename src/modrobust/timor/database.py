@@ -104,7 +104,11 @@ def _body(node: Node, field: str) -> Body:
         for row in members(member(node, "inertia", field), f"{field}.inertia", 3)
     ]
     if any(Fraction(rows[i][j]) != Fraction(rows[j][i]) for i, j in ((0, 1), (0, 2), (1, 2))):
-        raise node.where.error(f"{field}.inertia", "the tensor is not symmetric; correct it")
+        raise node.where.error(
+            f"{field}.inertia",
+            "the tensor is not symmetric; an inertia is; write the same on both sides of its "
+            "diagonal",
+        )
     six = (rows[0][0], rows[0][1], rows[0][2], rows[1][1], rows[1][2], rows[2][2])
     mass = number(member(node, "mass", field), f"{field}.mass")
     connectors = optional_member(node, "connectors")
@@ -191,14 +195,16 @@ def number(node: Node, field: str) -> str:
     """
     text = _decimal(node, field)
     if abs(Fraction(text)) > LARGEST:
-        raise node.where.error(field, f'"{text[:60]}" is beyond {LARGEST:g}; correct it')
+        raise node.where.error(field, f'"{text[:60]}" is beyond {LARGEST:g}; check its exponent')
     return text
 
 
 def _decimal(node: Node, field: str) -> str:
     text = node.text if isinstance(node, ScalarNode) else ""
     if not re.fullmatch(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]{1,3})?", text):
-        raise node.where.error(field, f'"{text[:60]}" is not a finite number; correct it')
+        raise node.where.error(
+            field, f'"{text[:60]}" is not a finite number; write one in decimal digits'
+        )
     return text
 
 
@@ -228,5 +234,9 @@ def read_pose(node: Node, field: str) -> Transform:
     if not is_rotation(matrix[:3, :3], _RIGID) or not np.array_equal(
         matrix[3], [0.0, 0.0, 0.0, 1.0]
     ):
-        raise node.where.error(field, "not a rigid transform; correct it")
+        raise node.where.error(
+            field,
+            "not a rigid transform; it is [R p; 0 0 0 1] with a right-handed, orthonormal R; "
+            "write R with seven digits or more",
+        )
     return from_rows([[Fraction(text) for text in row] for row in rows[:3]])

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import did_you_mean, unknown_name
 from modrobust.formats import MapNode, Node, ScalarNode, Where
 from modrobust.formats.nodes import shown
 from modrobust.model.geometry import Transform
@@ -72,7 +72,9 @@ def read_joints(node: Node, name: str, bodies: Mapping[str, Body]) -> list[Joint
         ends = [text_of(entry, key, field) for key in ("parent", "child")]
         for end in ends:
             if end not in bodies:
-                raise entry.where.error(field, f'no body with the ID "{end}"; correct it')
+                raise entry.where.error(
+                    field, unknown_name(f"no body with the ID {shown(end)}", end, bodies)
+                )
         kind = text_of(entry, "type", field)
         assert isinstance(entry, MapNode)
         if kind not in _TYPES or _is_passive(entry, field):

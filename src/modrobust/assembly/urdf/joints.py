@@ -106,7 +106,9 @@ class JointReader:
                 ends[end] = _end(element, end, owner, self.links)
         if ends["parent"] == ends["child"] != "":
             raise element.where.error(
-                owner, f'link "{ends["child"]}" is its own parent; a robot is a tree; correct it'
+                owner,
+                f'link "{ends["child"]}" is its own parent; a robot is a tree; name another link '
+                "as parent or child",
             )
         pose, axis, limits, mimic = IDENTITY, IDENTITY, dict[str, Number | None](), None
         friction = dict[str, Number | None]()

@@ -108,6 +108,6 @@ def _mechanical(given: list[Element], owner: str, notes: list[str]) -> Number | 
 def _above_zero(number: Number, element: Element, owner: str, key: str) -> Number:
     """The number without its sign: that is the direction of the motor; inertia has the square."""
     if number.value == 0.0:
-        raise element.where.error(owner, f"{key} is 0; motor over joint is not 0; correct it")
+        raise element.where.error(owner, f"{key} is 0; motor over joint is not 0; write that ratio")
     node = ScalarNode(number.node.text.lstrip("+-"), element.where)
     return Number(node, abs(number.value))

@@ -330,7 +330,8 @@ def _leader(
     except OverflowError:
         assert joint.mimic is not None
         raise joint.mimic.where.error(
-            f"joint {joint.name}, mimic", "out of range with the joints that it mimics; correct it"
+            f"joint {joint.name}, mimic",
+            "out of range with the joints that it mimics; check the multipliers and offsets",
         ) from None
 
 

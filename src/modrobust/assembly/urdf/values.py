@@ -73,11 +73,11 @@ def refuse_slips(
     """
     for child in element.children:
         if child.tag not in children and (hint := slip(child.tag, children)):
-            raise child.where.error(owner, f"unknown element <{child.tag}>; {hint}correct it")
+            raise child.where.error(owner, f"unknown element <{child.tag}>; {hint}rename it")
     for key in element.attributes:
         if key not in attributes and (hint := slip(key, attributes)):
             raise element.where.error(
-                owner, f'unknown attribute "{key}" of <{element.tag}>; {hint}correct it'
+                owner, f'unknown attribute "{key}" of <{element.tag}>; {hint}rename it'
             )
 
 
@@ -104,7 +104,7 @@ def refuse_foreign(
             raise element.where.error(
                 owner,
                 f'unknown attribute "{key[:60]}" of <{element.tag}>; {_meant(key, attributes)}'
-                "correct it",
+                "rename or remove it",
             )
     for child in element.children:
         raise child.where.error(
@@ -147,7 +147,7 @@ def read_number(element: Element, key: str, text: str, owner: str, endless: bool
         raise element.where.error(
             f"{owner}, {key}",
             f"{shown(text)} {what}; numbers in a URDF are decimal, in SI units without the unit; "
-            "correct it",
+            'write it so, such as "0.25"',
         )
     value = float(stripped)
     if not endless and not abs(value) <= 1e100:
@@ -185,7 +185,7 @@ def vector(
         raise place.where.error(
             f"{owner}, {key}",
             f"{shown(text)} has {len(parts)} entries; a vector has {wanted}, with blanks between; "
-            "correct it",
+            f'write {wanted}, such as "{default}"',
         )
     return tuple(read_number(place, key, part, owner) for part in parts)
 
@@ -218,7 +218,8 @@ def read_pose(
         if abs(angle.value) > MAX_ANGLE:
             raise angle.node.where.error(
                 f"{owner}, rpy",
-                f"{angle.value:g} rad; an angle lies within {MAX_ANGLE:g} rad; correct it",
+                f"{angle.value:g} rad; an angle lies within {MAX_ANGLE:g} rad; reduce it by "
+                "whole turns",
             )
     angles = [number.exact for number in rpy]
     return xyz, from_xyz_rpy([number.exact for number in xyz], angles), any(angles)
