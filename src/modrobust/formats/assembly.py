@@ -16,13 +16,13 @@ from modrobust.formats.inertia import box_body, box_is_physical
 from modrobust.formats.items import (
     Assembly,
     Controller,
-    Csv,
+    CsvEntry,
     Module,
     NestedItem,
     Payload,
-    Quintic,
-    Sines,
-    Trajectory,
+    QuinticEntry,
+    SinesEntry,
+    TrajectoryEntry,
 )
 from modrobust.formats.models import (
     AssemblyModel,
@@ -31,7 +31,7 @@ from modrobust.formats.models import (
     PayloadModel,
     QuinticModel,
     SinesModel,
-    TrajectoryEntry,
+    TrajectoryModel,
 )
 from modrobust.formats.module import ModuleFields, check_kind, check_stem, nested_item
 from modrobust.formats.nodes import ListNode, Node, ScalarNode, Where, kind_of, shown
@@ -303,7 +303,7 @@ def _controller(model: ControllerModel | None) -> Controller:
     )
 
 
-def _trajectory(model: TrajectoryEntry | None, directory: Path) -> Trajectory | None:
+def _trajectory(model: TrajectoryModel | None, directory: Path) -> TrajectoryEntry | None:
     if model is None:
         return None
     duration = _above_zero(model.duration, "time", "trajectory.duration")
@@ -316,10 +316,12 @@ def _trajectory(model: TrajectoryEntry | None, directory: Path) -> Trajectory | 
             parse_point(node, "angular speed", f"trajectory.omega[{i}]")
             for i, node in enumerate(model.omega)
         )
-        return Sines(PerJoint(model.amplitude, "trajectory.amplitude", "position"), omega, duration)
+        return SinesEntry(
+            PerJoint(model.amplitude, "trajectory.amplitude", "position"), omega, duration
+        )
     if isinstance(model, QuinticModel):
-        return Quintic(_waypoints(model), duration)
-    return Csv(directory / model.file, duration)
+        return QuinticEntry(_waypoints(model), duration)
+    return CsvEntry(directory / model.file, duration)
 
 
 def _waypoints(model: QuinticModel) -> tuple[tuple[float, PerJoint], ...]:

@@ -20,7 +20,7 @@ from modrobust.checks import did_you_mean, unknown_name
 from modrobust.formats import MapNode, Node, ScalarNode, Where
 from modrobust.formats.nodes import shown
 from modrobust.model.geometry import Transform
-from modrobust.timor.database import Body, finite, member, members, number, read_pose, text_of
+from modrobust.timor.database import TimorBody, finite, member, members, number, read_pose, text_of
 
 COULOMB_SPEED = "0.01"  # [rad/s] or [m/s]
 _EFFORT = {"revolute": "torque", "continuous": "torque", "prismatic": "force"}
@@ -47,7 +47,7 @@ _ENDS = {"positionLower": ("positionLower", "lower"), "positionUpper": ("positio
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class TimorJoint:
     """A joint between two bodies; `fields` has what is written of `_SPELLINGS` and `_ENDS`."""
 
     id: str
@@ -60,7 +60,7 @@ class Joint:
     where: Where
 
 
-def read_joints(node: Node, name: str, bodies: Mapping[str, Body]) -> list[Joint]:
+def read_joints(node: Node, name: str, bodies: Mapping[str, TimorBody]) -> list[TimorJoint]:
     """The joints of a module.
 
     Raises:
@@ -89,7 +89,7 @@ def read_joints(node: Node, name: str, bodies: Mapping[str, Body]) -> list[Joint
                 raise entry.where.error(field, f'no "{pose}"; a Timor module database has it')
         to_joint, to_child = (read_pose(fields[p], field) for p in ("poseParent", "poseChild"))
         found.append(
-            Joint(
+            TimorJoint(
                 text_of(entry, "ID", field),
                 ends[0],
                 ends[1],
@@ -147,7 +147,7 @@ def _fields(entry: MapNode, field: str) -> dict[str, Node]:
     return found
 
 
-def joint_lines(joint: Joint, name: str, notes: list[str]) -> list[str]:
+def joint_lines(joint: TimorJoint, name: str, notes: list[str]) -> list[str]:
     """The joint as an entry of a module's chain; remarks go to `notes`.
 
     Raises:
@@ -180,7 +180,7 @@ def joint_lines(joint: Joint, name: str, notes: list[str]) -> list[str]:
     return lines
 
 
-def _limits(joint: Joint, name: str, notes: list[str]) -> list[str]:
+def _limits(joint: TimorJoint, name: str, notes: list[str]) -> list[str]:
     """Entries of ``limits:``; what stands for no limit is left out, with a remark if in doubt."""
     parts = []
     lo, hi = (finite(joint.fields.get(key)) for key in _ENDS)
@@ -208,7 +208,7 @@ def _limits(joint: Joint, name: str, notes: list[str]) -> list[str]:
     return parts
 
 
-def _figure(joint: Joint, key: str) -> str:
+def _figure(joint: TimorJoint, key: str) -> str:
     """The number as written without a plus sign; empty where there is none."""
     node = joint.fields.get(key)
     return "" if node is None else number(node, f"joint {joint.id}.{key}").lstrip("+")

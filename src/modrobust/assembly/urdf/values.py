@@ -36,7 +36,7 @@ _OTHER_WORDS = {
 
 
 @dataclass(frozen=True)
-class Number:
+class UrdfNumber:
     """A number of the file: its node and its nearest double."""
 
     node: ScalarNode
@@ -128,7 +128,9 @@ def _meant(name: str, known: Sequence[str]) -> str:
     return did_you_mean(low, known) or f"known: {', '.join(known)}; "
 
 
-def read_number(element: Element, key: str, text: str, owner: str, endless: bool = False) -> Number:
+def read_number(
+    element: Element, key: str, text: str, owner: str, endless: bool = False
+) -> UrdfNumber:
     """A decimal number in SI units, as written; anything else is refused.
 
     Args:
@@ -140,7 +142,7 @@ def read_number(element: Element, key: str, text: str, owner: str, endless: bool
     """
     stripped = text.strip()
     if endless and _INFINITE.fullmatch(stripped):
-        return Number(ScalarNode(stripped, element.where), float(stripped))
+        return UrdfNumber(ScalarNode(stripped, element.where), float(stripped))
     if not _NUMBER.fullmatch(stripped):
         low = stripped.lower().lstrip("+-")
         what = "is not finite" if low in ("nan", "inf", "infinity") else "is not a number"
@@ -154,10 +156,10 @@ def read_number(element: Element, key: str, text: str, owner: str, endless: bool
         raise element.where.error(
             f"{owner}, {key}", f"{shown(text)} is out of range; correct the exponent"
         )
-    return Number(ScalarNode(stripped, element.where), value)
+    return UrdfNumber(ScalarNode(stripped, element.where), value)
 
 
-def required(element: Element, key: str, owner: str) -> Number:
+def required(element: Element, key: str, owner: str) -> UrdfNumber:
     """The number of an attribute that must be there; nothing is guessed."""
     if key not in element.attributes:
         raise element.where.error(
@@ -167,7 +169,9 @@ def required(element: Element, key: str, owner: str) -> Number:
     return read_number(element, key, element.attributes[key], owner)
 
 
-def optional(element: Element | None, key: str, owner: str, endless: bool = False) -> Number | None:
+def optional(
+    element: Element | None, key: str, owner: str, endless: bool = False
+) -> UrdfNumber | None:
     """The number of an attribute, None where it is not written; see `read_number`."""
     if element is None or key not in element.attributes:
         return None
@@ -176,7 +180,7 @@ def optional(element: Element | None, key: str, owner: str, endless: bool = Fals
 
 def vector(
     element: Element | None, key: str, owner: str, default: str = "0 0 0"
-) -> tuple[Number, ...]:
+) -> tuple[UrdfNumber, ...]:
     """The numbers of an attribute, separated by blanks, as many as the default has."""
     text = default if element is None else element.attributes.get(key, default)
     parts, wanted = text.split(), {3: "three", 4: "four"}[len(default.split())]
@@ -192,7 +196,7 @@ def vector(
 
 def three(
     element: Element | None, key: str, owner: str, default: str = "0 0 0"
-) -> tuple[Number, Number, Number]:
+) -> tuple[UrdfNumber, UrdfNumber, UrdfNumber]:
     """The three numbers of an attribute, separated by blanks."""
     x, y, z = vector(element, key, owner, default)
     return x, y, z
@@ -200,7 +204,7 @@ def three(
 
 def read_pose(
     element: Element | None, owner: str, version: float = 1.0
-) -> tuple[tuple[Number, Number, Number], Transform, bool]:
+) -> tuple[tuple[UrdfNumber, UrdfNumber, UrdfNumber], Transform, bool]:
     """The three lengths, the transform as written and whether it turns.
 
     Args:
@@ -226,8 +230,8 @@ def read_pose(
 
 
 def _by_quaternion(
-    element: Element, owner: str, xyz: tuple[Number, Number, Number], version: float
-) -> tuple[tuple[Number, Number, Number], Transform, bool]:
+    element: Element, owner: str, xyz: tuple[UrdfNumber, UrdfNumber, UrdfNumber], version: float
+) -> tuple[tuple[UrdfNumber, UrdfNumber, UrdfNumber], Transform, bool]:
     field = f"{owner}, quat_xyzw"
     if version < 1.1:
         raise element.where.error(
