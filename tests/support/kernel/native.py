@@ -184,9 +184,7 @@ class LoopLog(Structure):
 
 def gains_of(controller: mr.RobustController) -> dict[str, Any]:
     """mr_gains by name, with which the controller was made."""
-    return kernel_gains(
-        controller.robot, controller.settings, controller.loop, *controller._points
-    )
+    return kernel_gains(controller.robot, controller.settings, controller.loop, *controller._points)
 
 
 def compiler(name: str) -> str:
