@@ -71,7 +71,8 @@ def signals(robot: Robot, seed: int) -> Iterator[tuple[float, tuple[Any, ...]]]:
 
 def quintic(x: float, blend: float) -> Any:
     """Rows: position, velocity and acceleration of the polynomials that go from 1, 0, 0 and from
-    0, 1, 0 to rest at 0 in the time `blend`, by the six conditions at their ends; at time x."""
+    0, 1, 0 to rest at 0 in the time `blend`, by the six conditions at their ends; at time x.
+    """
     if not x < blend:
         return np.zeros((3, 2))
 
@@ -157,8 +158,13 @@ class WrittenOut:
             tau = np.clip(tau, -robot.effort_limits, robot.effort_limits)
         self.past = alpha * np.linalg.solve(mr.mass_matrix(robot, q1, self.centre), feedback)
         return {
-            **{"tau": tau, "nominal": nominal, "v": v, "phi_lo": phi[0], "phi_hi": phi[1]},
-            **{"rho": np.maximum(np.abs(phi[0]), np.abs(phi[1])), "alpha": alpha},
+            "tau": tau,
+            "nominal": nominal,
+            "v": v,
+            "phi_lo": phi[0],
+            "phi_hi": phi[1],
+            "rho": np.maximum(np.abs(phi[0]), np.abs(phi[1])),
+            "alpha": alpha,
         }
 
 
@@ -229,7 +235,7 @@ def physical_points(kind: str) -> list[Any]:
 @pytest.mark.parametrize("bound", ["hull", "ianea"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_set_holds_every_perturbation_and_sigma_never_leaves_it(kind: str, bound: str) -> None:
-    """w = NE(primed state; Delta) - d - nominal, for 200 physical points of the box."""
+    """W = NE(primed state; Delta) - d - nominal, for 200 physical points of the box."""
     robot = ROBOTS[kind]
     rng = np.random.default_rng(5)
     ours, written = both(robot, 1.0, bound=bound)
@@ -356,7 +362,7 @@ def test_the_loop_in_c_and_commands_from_python_give_the_same_bits(kind: str, de
 @pytest.mark.parametrize("delay", [0.0, 0.4, 1.0])
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_law_that_allows_for_the_hold_equals_29(kind: str, delay: float, law: str) -> None:
-    """v = (K^-1 + T (1 + 2 D) M_s^-1)^-1 r, by the inverses that the formula names."""
+    """V = (K^-1 + T (1 + 2 D) M_s^-1)^-1 r, by the inverses that the formula names."""
     robot = ROBOTS[kind]
     own: dict[str, Any] = {"kappa_P": 1.5, "phi_P": 3.0, "kappa_I": 40.0, "phi_I": 20.0}
     ours = mr.RobustController(robot, law=law, hold_aware=True, rate=RATE, delay=delay, **own)
