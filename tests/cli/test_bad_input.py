@@ -173,7 +173,7 @@ def test_a_module_cycle_is_refused(run, tmp_path: Path) -> None:
         (
             "mass: 1 kg",
             "mass: -1 kg",
-            "link.yaml:12: body rod, mass: -1 kg is negative; a body's mass is at least 0; correct it",
+            "link.yaml:12: body rod, mass: -1 kg is negative; a body's mass is at least 0; write 0 or more",
         ),
     ],
 )

@@ -150,8 +150,9 @@ class Box:
         return found
 
     def _tensors(self, W: Array, which: Ints, tensor: Array) -> list[Array]:
-        """Tensors of the box (x, b, 3, 3) with a large <W, I>, physical ones perhaps: the vertex,
-        the vertex of the moments alone, and the nominal one made larger or smaller as a whole.
+        """Tensors of the box (x, b, 3, 3) with a large <W, I>, to be pulled until physical.
+
+        The vertex; that of the moments alone; the nominal one made larger or smaller as a whole.
         """
         vertex = np.where(W > 0.0, tensor[2], tensor[0])
         moments = np.where(np.eye(3, dtype=bool), vertex, tensor[1])
@@ -189,7 +190,7 @@ def _bodies(weights: Weights) -> tuple[Array, Array, Array]:
 
 
 def _largest_quadratic(g: Array, A: Array, lo: Array, hi: Array) -> Array:
-    """C (x, b, 3) of the box with a large g'c + c'A c: the best vertex, then each coordinate."""
+    """COMs (x, b, 3) of the box with a large g'c + c'A c: the best vertex, then each coordinate."""
     vertices = np.where(_VERTICES[:, None] == 1, hi, lo)  # (8, b, 3)
     value = np.einsum("xbi,vbi->xvb", g, vertices)
     value = value + np.einsum("vbi,xbij,vbj->xvb", vertices, A, vertices)

@@ -2,7 +2,7 @@ r"""The rule that chooses the gain G, and the three things that bound it.
 
 .. math::
    G = \min\left(G_{stab},\; G_{noise},\; \max(G_{eps},\; 20/\mathrm{s})\right), \quad
-   \Lambda = G/2, \quad L_i = G^2 \min(0.05,\; 0.6\,\pi_1)                              \quad (34)
+   \Lambda = G/2, \quad L_i = G^2 \min(0.05,\; 0.6\,\pi_1)                              \quad (35)
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Choice:
 
     @property
     def gain(self) -> float:
-        """G of (34) [1/s]."""
+        """G of (35) [1/s]."""
         return min(self.limit, max(self.accuracy, FLOOR))
 
     @property
@@ -78,7 +78,7 @@ def choose(
     epsilon: float,
     known: Choice | None = None,
 ) -> Choice:
-    """The rule (34) for checked arguments.
+    """The rule (35) for checked arguments.
 
     Args:
         robot: Its bounds are the box.
@@ -88,7 +88,7 @@ def choose(
         known: What was found for the same box and states; only the loop, the effort limits or
             epsilon are others.
 
-    Source: our own; (31) to (34) of docs/theory/equations.md.
+    Source: our own; (35) to (39) of docs/theory/equations.md.
     """
     if known is None:
         central = central_parameters(robot)
@@ -122,7 +122,7 @@ def timing(loop: LoopSettings) -> Timing:
 
 
 def integral_gain(G: float, found: Spectra) -> float:
-    """L_i of (34) [1/s^2]."""
+    """L_i of (35) [1/s^2]."""
     return G * G * min(0.05, 0.6 * found.light[0])
 
 
@@ -166,7 +166,7 @@ def noise_gain(light_mass: Array, limits: Array, loop: LoopSettings) -> float:
         limits: Effort limits ``(n,)`` [N m] or [N].
         loop: As the drive runs it.
 
-    Source: our own; (34) of docs/theory/equations.md.
+    Source: our own; (39) of docs/theory/equations.md.
     """
     limited = np.isfinite(limits)
     if not limited.any():

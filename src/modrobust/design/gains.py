@@ -1,6 +1,6 @@
 r"""Gains of the law ``sampled`` for a robot's box and the loop it runs in, and why they are so.
 
-Source: our own; (30) to (34) of docs/theory/equations.md.
+Source: our own; (30) and (35) to (39) of docs/theory/equations.md.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _FAST = 50.0  # parts of a period: a loop so fast counts as continuous
 
 @dataclass(frozen=True)
 class Design:
-    """What was chosen, and what bounds it. Gains are those of (34), ranges those of (31).
+    """What was chosen, and what bounds it. Gains are those of (35), ranges those of (36).
 
     Everything here is an estimate and no theorem: ranges and accelerations are the largest found.
     """
@@ -57,13 +57,13 @@ class Design:
     light: Parameters
     """D_s of (30)."""
     spectra: Spectra
-    """Ranges of eigenvalues, (31)."""
+    """Ranges of eigenvalues, (36)."""
     need: Need
-    """Accelerations that the unknown can give, (33)."""
+    """Accelerations that the unknown can give, (38)."""
     G_stab: float
-    """Largest gain that the loop's rate and delay allow, (32) [1/s]."""
+    """Largest gain that the loop's rate and delay allow, (37) [1/s]."""
     G_noise: float
-    """Largest gain that noise and effort limits allow; infinite without limits [1/s]."""
+    """Largest gain that noise and effort limits allow, (39); infinite without limits [1/s]."""
     G_eps: float
     """Gain that epsilon asks for, sqrt(4 b / epsilon) [1/s]."""
     binding: str
@@ -103,10 +103,14 @@ class Design:
             return ()
         return remedies(self.robot, self.loop, self.states, self.settings.epsilon, self.choice)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain Python, ready for JSON; an infinite number is null."""
+    def to_dict(self, helps: bool = False) -> dict[str, Any]:
+        """Plain Python, ready for JSON; an infinite number is null.
+
+        Args:
+            helps: Whether `helps` are worked out too, which takes seconds.
+        """
         s = self.settings
-        return {
+        found: dict[str, Any] = {
             "robot": self.robot.name,
             "motion": self.motion,
             "loop": {
@@ -136,9 +140,9 @@ class Design:
             "need": asdict(self.need),
             "expected": dict(self.expected),
             "error": self.error,
-            "helps": [item.to_dict() for item in self.helps],
             "remarks": list(self.remarks),
         }
+        return found | {"helps": [item.to_dict() for item in self.helps]} if helps else found
 
 
 @own_environment()
@@ -173,7 +177,7 @@ def design(
         ValueRangeError: ``robot`` or ``loop`` is none, or a number is out of its range.
         SingularMassMatrixError: The mass matrix at the centre of the box is not positive definite.
 
-    Source: our own; (30) to (34) of docs/theory/equations.md.
+    Source: our own; (30) and (35) to (39) of docs/theory/equations.md.
     """
     check_robot(robot)
     loop = robot.loop if loop is None else loop
@@ -232,10 +236,10 @@ def expected_error(
        \text{noise} &= 3 \lVert \sigma \rVert \sqrt{T / (\tfrac32 G^3)}, \quad
        \sigma_i = (\tfrac32 G n_{v,i} + \tfrac12 G^2 n_{q,i}) / \sqrt3
 
-    H is the response of (32) with the integral, at the pace of the motion, for the worst of three
+    H is the response of (37) with the integral, at the pace of the motion, for the worst of three
     modes; the index 0 stands for a loop without hold and delay. Friction turns round too suddenly
     for the integral, and the disturbance may: they count in full. Noise of the worst sign moves the
-    robot by n_q + 3 n_v / G. The largest accelerations found stand for all, without the 2 of (33).
+    robot by n_q + 3 n_v / G. The largest accelerations found stand for all, without the 2 of (38).
 
     Args:
         settings: Law ``sampled`` with its gains.
@@ -363,7 +367,7 @@ def _remarks(robot: Robot, loop: LoopSettings, found: Choice, epsilon: float) ->
     if not found.reachable:
         what = "noise" if found.noise < found.stability else f"a loop at {loop.rate:g} Hz"
         if found.noise >= found.stability and loop.delay > 0.0:
-            what += f", {loop.delay:g} periods late,"
+            what += f", {loop.delay:g} period{'s' * (loop.delay != 1.0)} late,"
         said.append(
             f"epsilon {epsilon:g}{unit and ' '}{unit} is not reachable at this rate: it asks for "
             f"G = {found.accuracy:.3g}/s, {what} allows {found.limit:.3g}/s; epsilon "

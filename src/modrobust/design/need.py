@@ -1,4 +1,4 @@
-r"""How hard what is unknown can push the joints, as an acceleration: b of (33).
+r"""How hard what is unknown can push the joints, as an acceleration: b of (38).
 
 .. math::
    b = 2 \max \left( \lVert M_s^{-1} (\mathrm{NE}(\Delta) - \mathrm{NE}(\Delta_c)) \rVert
@@ -35,7 +35,7 @@ class Need:
     disturbance: float
     """Of [d]."""
     total: float
-    """b of (33)."""
+    """b of (38)."""
 
 
 def need(robot: Robot, central: Parameters, light_mass: Array, states: States) -> Need:
@@ -47,7 +47,7 @@ def need(robot: Robot, central: Parameters, light_mass: Array, states: States) -
         light_mass: M_s at the states, ``(k, n, n)``.
         states: Where NE is looked at.
 
-    Source: our own; (33) of docs/theory/equations.md.
+    Source: our own; (38) of docs/theory/equations.md.
     """
     inverse = np.asarray(np.linalg.inv(light_mass), dtype=np.float64)
     rigid = _rigid(robot, central, inverse, states)

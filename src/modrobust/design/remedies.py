@@ -52,8 +52,11 @@ def remedies(
     figures where none are known, half the speed, and half as much torque again.
 
     Args:
-        robot, loop, states, epsilon: What the rule was run on.
-        now: What it found.
+        robot: The robot that the rule was run on.
+        loop: Its loop.
+        states: Of its motion.
+        epsilon: What was to be met [rad] or [m].
+        now: What the rule found.
     """
     tried = [
         *_of_the_loop(robot, loop, states, epsilon, now),

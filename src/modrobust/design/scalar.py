@@ -4,7 +4,7 @@ r"""One mode of the closed loop as the drive runs it: when it is stable, and wha
    \hat e &= e + D T \dot e - (D T)^2 \xi u / 2, \qquad \hat{\dot e} = \dot e - D T \xi u \\
    y &= K_d \hat{\dot e} + K_p \hat e, \qquad K_d = \tfrac32 G,\; K_p = \tfrac12 G^2 \\
    e^+ &= e + T \dot e - \pi T^2 \left[(D - D^2/2)\,u + (1 - D)^2 y / 2\right] \\
-   \dot e^+ &= \dot e - \pi T \left[D u + (1 - D) y\right], \qquad u^+ = y                \quad (32)
+   \dot e^+ &= \dot e - \pi T \left[D u + (1 - D) y\right], \qquad u^+ = y                \quad (37)
 
 with pi an eigenvalue of M^-1 M_s and xi one of M_c^-1 M_s. The modes of the robot do not part
 like this (the matrices do not commute): it is the rule that the gains come from, not a proof.
@@ -43,7 +43,7 @@ class Timing:
 
 
 def stable_gain(found: Spectra, timing: Timing) -> float:
-    r"""G_stab [1/s]: half of the largest G for which every mode of (32) is stable.
+    r"""G_stab [1/s]: half of the largest G for which every mode of (37) is stable.
 
     .. math:: G_{stab} = \frac{0.664}{T \max(\pi_2, 1)} \quad (D = 0), \qquad
               G_{stab} = \frac{1}{T} \max\{g : \text{the loop of } 2 g \text{ is stable for all }
@@ -52,10 +52,10 @@ def stable_gain(found: Spectra, timing: Timing) -> float:
     over c in [c_1, c_2], xi in [xi_1, 1] with pi = xi c in [pi_1, pi_2].
 
     Args:
-        found: Ranges (31).
+        found: Ranges (36).
         timing: Of the loop.
 
-    Source: our own; (32) of docs/theory/equations.md.
+    Source: our own; (37) of docs/theory/equations.md.
     """
     least, most = found.light
     if timing.delay == 0.0 and timing.corner is None:
@@ -92,14 +92,15 @@ def stable_gain(found: Spectra, timing: Timing) -> float:
 
 
 def matrices(G: float, pi: Array, xi: Array, timing: Timing, L_i: float = 0.0) -> Array:
-    r"""The loop (32) as x^+ = A x, ``(k, 5, 5)``, for eigenvalues pi and xi ``(k,)``.
+    r"""The loop (37) as x^+ = A x, ``(k, 5, 5)``, for eigenvalues pi and xi ``(k,)``.
 
     x = (e, de, u, v, sigma): error, its rate, the command that acts until the new one does, the
     rate as a filter gives it from the error of now and of one period ago, and the integral.
 
     Args:
         G: Gain [1/s]; K_d = 3/2 G, K_p = G^2/2.
-        pi, xi: Of the modes, ``(k,)``.
+        pi: Eigenvalues of M^-1 M_s, ``(k,)``.
+        xi: Eigenvalues of M_c^-1 M_s, ``(k,)``.
         timing: Of the loop.
         L_i: Gain of the integral [1/s^2], 0 for none.
     """
@@ -142,8 +143,10 @@ def compliance(G: float, L_i: float, pi: Array, xi: Array, timing: Timing, omega
               \quad z = e^{i \omega T},\; B = \pi\,(T^2/2,\, T,\, 0, \dots)
 
     Args:
-        G, L_i: Gains [1/s], [1/s^2].
-        pi, xi: Of the modes, ``(k,)``.
+        G: Gain of the feedback [1/s].
+        L_i: Gain of the integral [1/s^2].
+        pi: Eigenvalues of M^-1 M_s, ``(k,)``.
+        xi: Eigenvalues of M_c^-1 M_s, ``(k,)``.
         timing: Of the loop.
         omega: Frequency [rad/s].
     """

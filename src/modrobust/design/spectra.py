@@ -2,7 +2,7 @@ r"""How much heavier or lighter than a model the robot can be: ranges of eigenva
 
 .. math:: [\pi_1, \pi_2] \ni \lambda\left(M(q,\Delta)^{-1} M_s(q)\right), \qquad
           [c_1, c_2] \ni \lambda\left(M(q,\Delta)^{-1} M_c(q)\right), \qquad
-          \xi_1 = \min_q \lambda\left(M_c^{-1} M_s\right)                          \quad (31)
+          \xi_1 = \min_q \lambda\left(M_c^{-1} M_s\right)                          \quad (36)
 
 The ends are estimates: they are found at points of the box, so the true ranges are at least as
 wide. An extreme eigenvector v of one point says in which direction to look; v'M v is linear in
@@ -27,7 +27,7 @@ _KEPT = 2  # directions a position that are followed
 
 @dataclass(frozen=True)
 class Spectra:
-    """Estimates of (31), each ``(least, largest)`` [1]."""
+    """Estimates of (36), each ``(least, largest)`` [1]."""
 
     light: tuple[float, float]
     """pi_1, pi_2: eigenvalues of M(q, Delta)^-1 M_s."""
@@ -51,7 +51,7 @@ def spectra(robot: Robot, central: Parameters, light: Parameters, positions: Arr
         light: D_s of (30).
         positions: Where M is looked at, ``(k, n)`` [rad] or [m].
 
-    Source: our own; (31) of docs/theory/equations.md.
+    Source: our own; (36) of docs/theory/equations.md.
     """
     J = jacobians(robot, positions)
     box = Box(robot)
