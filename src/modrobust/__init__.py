@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from modrobust.assembly import build_robot, builtin_robots, load_robot
-    from modrobust.control import Command, RobustController
+    from modrobust.control import Command, RateWarning, RobustController
     from modrobust.dynamics import (
         forward_dynamics,
         forward_kinematics,
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
         TimeOrderError,
         ValueRangeError,
     )
-    from modrobust.model import Bounded, ControllerSettings, Parameters, Robot
+    from modrobust.model import Bounded, ControllerSettings, LoopSettings, Parameters, Robot
     from modrobust.motion import (
         Quintic,
         Sines,
@@ -61,10 +61,12 @@ __all__ = [
     "DivergenceError",
     "FileError",
     "InputError",
+    "LoopSettings",
     "MissingExtraError",
     "ModrobustError",
     "Parameters",
     "Quintic",
+    "RateWarning",
     "Robot",
     "RobustController",
     "SeveralFaultsError",
@@ -95,8 +97,8 @@ __all__ = [
 
 _HOMES = {
     "assembly": ("build_robot", "builtin_robots", "load_robot"),
-    "control": ("Command", "RobustController"),
-    "model": ("Bounded", "ControllerSettings", "Parameters", "Robot"),
+    "control": ("Command", "RateWarning", "RobustController"),
+    "model": ("Bounded", "ControllerSettings", "LoopSettings", "Parameters", "Robot"),
     "motion": (
         *("Quintic", "Sines", "Splined", "Trajectory"),
         *("default_trajectory", "make_trajectory", "read_trajectory_csv"),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import modrobust as mr
-from modrobust.control import SOLVER_ERROR
+from modrobust.control.controller import SOLVER_ERROR
 from modrobust.errors import ShapeError, TimeOrderError, ValueRangeError
 from modrobust.model import Robot, synthetic_chain
 

@@ -53,6 +53,7 @@ def load_robot(
     gravity: Vector | None = None,
     xacro: Mapping[str, object] | None = None,
     packages: Mapping[str, str | Path] | None = None,
+    drive: str | Mapping[str, object] | None = None,
 ) -> Robot:
     """The robot of an assembly file or a URDF, or one that comes with modrobust, by name.
 
@@ -72,6 +73,9 @@ def load_robot(
         xacro: Arguments of a xacro file, by name.
         packages: Folders of packages by name, for ``package://NAME/...`` as the file and
             ``$(find NAME)`` in xacro.
+        drive: URDF only: drive and friction of every joint that moves freely, in place of the
+            file's, such as ``"rotor_inertia=1e-5 ± 20%, gear_ratio=100, viscous=1, coulomb=2"``, or
+            a mapping with these keys; numbers are in SI units of each joint, bounds may be given.
 
     Raises:
         FileError: There is neither such a file nor such a robot.
@@ -89,7 +93,7 @@ def load_robot(
         path = _file_of(path_or_name)
         is_urdf = path.suffix.lower() in (*URDF_SUFFIXES, ".hrdf")
         description = urdf_assembly(path) if is_urdf else load_assembly(path)
-    options = (base, tip, lock or {}, tolerance, payload, mount, gravity, xacro, packages)
+    options = (base, tip, lock or {}, tolerance, payload, mount, gravity, xacro, packages, drive)
     return assemble(with_options(description, *options))
 
 

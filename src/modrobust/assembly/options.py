@@ -17,9 +17,10 @@ from modrobust.formats.assembly import (
 )
 from modrobust.formats.fields import check
 from modrobust.formats.given import given_mapping
+from modrobust.formats.joints import drive_figures
 from modrobust.formats.module import ModuleFields
 from modrobust.formats.overlay import UrdfSource
-from modrobust.formats.part_models import ToleranceModel
+from modrobust.formats.part_models import DriveOptionModel, ToleranceModel
 from modrobust.formats.payloads import PayloadModel, read_payload
 from modrobust.formats.span import pose_matrix
 from modrobust.model.geometry import IDENTITY, Transform, translation
@@ -29,11 +30,13 @@ _INSTEAD = {
     "tip": "shorten the chain in the file",
     "lock": "replace the module of the joint in the file",
     "tolerance": "write the tolerance in the module files",
+    "drive": "write drive and friction in the module files",
     "xacro": "leave it out",
     "packages": "leave it out",
 }
 _EXAMPLES = {
     "tolerance": 'such as "mass=5%,com=5mm,inertia=10%" or {"mass": "5%", "com": "5 mm"}',
+    "drive": 'such as "rotor_inertia=1e-5 kg m^2 ± 20%, gear_ratio=100" or the same as a mapping',
     "payload": 'such as "mass=[0 kg, 2 kg], com=[0, 0, 50 mm]" or the same as a mapping',
     "lock": 'such as {"finger": 0.02}, or "30 deg" as its value',
 }
@@ -74,6 +77,7 @@ def with_options(
     gravity: Vector | None = None,
     xacro: Mapping[str, object] | None = None,
     packages: Mapping[str, str | Path] | None = None,
+    drive: str | Mapping[str, object] | None = None,
 ) -> Assembly:
     """The description with options laid over it; an option counts more than the file.
 
@@ -92,6 +96,7 @@ def with_options(
         "tip": tip,
         "lock": lock or None,
         "tolerance": tolerance,
+        "drive": drive,
         "xacro": xacro or None,
         "packages": packages or None,
     }
@@ -115,6 +120,9 @@ def with_options(
         node = given_mapping(tolerance, "tolerance", _EXAMPLES["tolerance"])
         model = check(ToleranceModel, node, _name_tolerance)
         source = replace(source, tolerance=model)
+    if drive is not None:
+        node = given_mapping(drive, "drive", _EXAMPLES["drive"])
+        source = replace(source, drive=drive_figures(check(DriveOptionModel, node, _name_drive)))
     if xacro:
         place = Where("xacro", None)
         texts = {name: ScalarNode(str(value), place) for name, value in xacro.items()}
@@ -150,6 +158,10 @@ def _vector(given: Vector, name: str) -> ListNode:
 
 def _name_tolerance(location: tuple[int | str, ...]) -> str:
     return ".".join(["tolerance", *(str(step) for step in location)])
+
+
+def _name_drive(location: tuple[int | str, ...]) -> str:
+    return ".".join(["drive", *(str(step) for step in location)])
 
 
 def _with_payload(description: Assembly, given: str | Mapping[str, object]) -> Assembly:

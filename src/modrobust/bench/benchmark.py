@@ -9,8 +9,9 @@ all of them and keeps what it has when Ctrl-C comes.
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -18,7 +19,7 @@ import numpy as np
 
 from modrobust.bench.found_range import found_range, probe_count
 from modrobust.checks.types import Array
-from modrobust.control import RobustController
+from modrobust.control import RateWarning, RobustController
 from modrobust.dynamics import perturbation_bounds
 from modrobust.errors import ValueRangeError
 from modrobust.kernel import BOUNDS, own_environment
@@ -136,6 +137,8 @@ class RobotBenchmark:
     run: SimulationResult | None = None
     times: list[ReplayTimes] = field(default_factory=list)
     tightness: list[Tightness] = field(default_factory=list)
+    laws: dict[str, Array] = field(default_factory=dict)
+    """Seconds in C of every command of each law, by its name."""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain Python, ready for JSON."""
@@ -143,6 +146,7 @@ class RobotBenchmark:
             "robot": self.robot.name,
             "joints": list(self.robot.joint_names),
             "times": [item.to_dict() for item in self.times],
+            "laws": {name: time_statistics(seconds) for name, seconds in self.laws.items()},
             "tightness": [item.to_dict() for item in self.tightness],
         }
 
@@ -191,6 +195,37 @@ def replay(run: SimulationResult, bound: str, repeat: int = 1) -> ReplayTimes:
             controller.command(*row)
             in_python[k, i] = (clock() - begin) * 1e-9
     return ReplayTimes(bound, np.concatenate(in_c), in_python.ravel())
+
+
+LAW_CASES: Mapping[str, tuple[dict[str, Any], float]] = {  # settings, and the delay
+    "norm": ({"law": "norm"}, 0.0),
+    "componentwise": ({"law": "componentwise"}, 0.0),
+    "norm, hold-aware": ({"law": "norm", "hold_aware": True}, 0.0),
+    "sampled": ({"law": "sampled", "G": 20.0}, 0.0),
+    "sampled, a period late": ({"law": "sampled", "G": 20.0}, 1.0),
+}
+"""Laws whose commands are timed; what gains they have does not change how long they take."""
+
+
+def law_times(run: SimulationResult, repeat: int = 1) -> dict[str, Array]:
+    """Seconds in C of each law's command on the inputs of a run sampled at 1 ms, by its name.
+
+    Args:
+        run: A simulation; its logged inputs and its bound are used.
+        repeat: How often the inputs are replayed; all times are kept. One more replay warms up.
+    """
+    inputs = (run.q, run.dq, run.q_des, run.dq_des, run.ddq_des)
+    found = {}
+    for name, (settings, delay) in LAW_CASES.items():
+        loop = replace(run.loop, delay=delay)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RateWarning)
+            controller = RobustController(
+                run.robot, loop=loop, bound=run.controller.bound, **settings
+            )
+        each = [controller.time_commands(run.t, *inputs) for _ in range(repeat + 1)]
+        found[name] = np.concatenate(each[1:])
+    return found
 
 
 def chain_times(n: int, bound: str, repeat: int = 1, commands: int = 200) -> float:
@@ -364,6 +399,7 @@ def _measure(
     for i, bound in enumerate(BOUNDS):
         own.times.append(replay(run, bound, repeat))
         show(f"{robot.name}: replay", (i + 1) / len(BOUNDS))
+    own.laws = law_times(run, repeat)
     # as many states as a search of about a second allows
     states = min(states, max(_FEWEST_STATES, _EVALUATIONS // probe_count(robot)))
     own.tightness.append(trajectory_tightness(run, states))

@@ -40,6 +40,7 @@ def print_report(robot: Robot, report: Report) -> None:
     show("Links, their masses and bounds", _links(report))
     show("Joints: limits, largest static gravity torque found (upper end of hull)")
     show(_joints(report))
+    show(_controller(robot))
     for title, lines in (
         ("Exact, without bounds", report.exact),
         ("Not modelled", report.not_modelled),
@@ -47,6 +48,23 @@ def print_report(robot: Robot, report: Report) -> None:
     ):
         if lines:
             show(f"{title}:", *(Padding(Text(line), (0, 0, 0, 2)) for line in lines))
+
+
+def _controller(robot: Robot) -> str:
+    """The law, and the rate that it and its gains need."""
+    from modrobust.control import AUTO, needed_rate
+    from modrobust.control.rate import hertz
+    from modrobust.motion import make_trajectory
+
+    own, loop = robot.controller, robot.loop
+    said = f"Controller: law {own.law}, epsilon {own.epsilon:g}; loop at {hertz(loop.rate)}."
+    if own.law == AUTO:
+        return f"{said} Gains are chosen for box, loop and motion: modrobust design."
+    motion = None if robot.trajectory is None else make_trajectory(robot, None)
+    need = needed_rate(robot, own, loop, motion)
+    if need is None:
+        return said
+    return f"{said} These gains need about {hertz(need.rate)} (an estimate, no bound)."
 
 
 def _mounting(robot: Robot) -> list[str]:

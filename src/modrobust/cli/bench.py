@@ -146,6 +146,8 @@ def print_benchmark(figures: Mapping[str, Any]) -> None:
             measured[f"{item['bound']}, from Python"] = item["in_python"]
         if measured:
             show("Time per command", times(measured, entry["robot"]))
+        if entry["laws"]:
+            show("Time per command of each law, in C", times(entry["laws"], entry["robot"]))
         for item in entry["tightness"]:
             rows = table("joint", *map(_header, _WIDTHS))
             for j, name in enumerate(entry["joints"]):

@@ -3,7 +3,18 @@
 The laws are computed in C, ``mr_command``; gains of the law ``auto`` come from `modrobust.design`.
 """
 
-from modrobust.control.controller import Command, RobustController
-from modrobust.control.settings import ControllerOptions, PerJoint, settings_dict
+from modrobust.control.controller import Command, RateWarning, RobustController
+from modrobust.control.rate import RateNeed, needed_rate
+from modrobust.control.settings import AUTO, ControllerOptions, PerJoint, settings_dict
 
-__all__ = ["Command", "ControllerOptions", "PerJoint", "RobustController", "settings_dict"]
+__all__ = [
+    "AUTO",
+    "Command",
+    "ControllerOptions",
+    "PerJoint",
+    "RateNeed",
+    "RateWarning",
+    "RobustController",
+    "needed_rate",
+    "settings_dict",
+]

@@ -141,6 +141,7 @@ class RobustController:
         self.kernel = self._kernel_of(None)
         self._motion = motion
         self._before: _kernel.Controller | None = None  # of the payload used until now
+        self._ticks = 0  # that `step` has done
         if rate is not None or loop is not None:
             need = self.rate_need
             if need is not None and need.warning is not None:
@@ -230,6 +231,35 @@ class RobustController:
             *(kernel.rho_norm, kernel.integral_rate, kernel.alpha),
         )
 
+    def step(
+        self,
+        q: ArrayLike,
+        dq: ArrayLike,
+        q_des: ArrayLike,
+        dq_des: ArrayLike,
+        ddq_des: ArrayLike,
+    ) -> Command:
+        """The command of the next tick, `period` after the last: for a loop of one's own.
+
+        The first one is at time 0. Torques of the law ``sampled`` stay within the effort limits.
+
+        Args:
+            q: Measured positions, ``(n,)`` [rad] or [m].
+            dq: Measured velocities, ``(n,)`` [rad/s] or [m/s].
+            q_des: Desired positions now, ``(n,)`` [rad] or [m].
+            dq_des: Desired velocities, ``(n,)`` [rad/s] or [m/s].
+            ddq_des: Desired accelerations, ``(n,)`` [rad/s^2] or [m/s^2].
+
+        Raises:
+            ShapeError: A vector does not have ``n`` entries.
+            ValueRangeError: As for `command`.
+
+        Source: (3) to (8) of [GA17], (29), (31) to (34); kernel twin ``mr_command``.
+        """
+        answer = self.command(self._ticks / self.loop.rate, q, dq, q_des, dq_des, ddq_des)
+        self._ticks += 1
+        return answer
+
     def torque(
         self,
         q: ArrayLike,
@@ -297,7 +327,7 @@ class RobustController:
         Source: our own, (34).
         """
         self.kernel.reset()
-        self._before = None
+        self._before, self._ticks = None, 0
         if q is not None and self.settings.law == "sampled":
             place = self._signals((), q=q)["q"]
             memory = np.zeros(4 * self.robot.n)

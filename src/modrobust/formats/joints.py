@@ -5,11 +5,17 @@ from __future__ import annotations
 from modrobust.formats.items import JointItem
 from modrobust.formats.models import JointModel
 from modrobust.formats.nodes import ListNode, Node, kind_of
-from modrobust.formats.part_models import LimitsModel
+from modrobust.formats.part_models import DriveOptionModel, LimitsModel
 from modrobust.formats.quantity import Quantity, parse_point, parse_written
 from modrobust.formats.span import row_ahead, row_behind
 from modrobust.formats.tolerance import Tolerances
 
+_DRIVES = {
+    "rotor_inertia": ("inertia",),
+    "gear_ratio": ("number", "gear ratio per length"),
+    "viscous": ("angular viscous friction", "viscous friction"),
+    "coulomb": ("torque", "force"),
+}
 _COULOMB_SPEED = 1e-3  # [rad/s] or [m/s]
 _DIMENSIONS = {
     "revolute": {
@@ -87,6 +93,34 @@ def read_joint(model: JointModel, prefix: str, tolerances: Tolerances) -> JointI
         ahead=row_ahead(model.dh, f"{prefix}dh"),
         behind=row_behind(model.dh, f"{prefix}dh"),
     )
+
+
+def drive_figures(model: DriveOptionModel) -> dict[str, Node]:
+    """What is written for all joints, as far as it can be checked without knowing how they move.
+
+    Raises:
+        DescriptionError: A figure of no kind of joint, a negative one, a rotor without a gear.
+    """
+    written = dict(model.node.entries)
+    if "rotor_inertia" in written and "gear_ratio" not in written:
+        raise model.where.error(
+            "",
+            "rotor_inertia without gear_ratio; the joint feels the rotor through the gear; "
+            "add gear_ratio (1 for a direct drive)",
+        )
+    for key, node in written.items():
+        field = f"drive.{key}"
+        quantity = parse_written(node, _DRIVES[key], field, bounds=key != "gear_ratio").quantity()
+        if key == "gear_ratio" and quantity.lo <= 0:
+            raise node.where.error(
+                field, f"{quantity.lo:g} is not positive; it must be above 0; correct it"
+            )
+        if quantity.lo < 0:
+            what = "lower bound " if quantity.bounded else ""
+            raise node.where.error(
+                field, f"{what}{quantity.lo:g} is negative; it is at least 0; correct it"
+            )
+    return written
 
 
 def _position(

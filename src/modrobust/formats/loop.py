@@ -175,7 +175,8 @@ def parse_quantisation(
     Args:
         text: Such as ``"position=1e-4 rad"``, ``"none"``, or a mapping.
         field: What messages call it.
-        names, types: Of the free joints.
+        names: Of the free joints.
+        types: Of the same.
 
     Raises:
         ValueRangeError: The text is not of that form.

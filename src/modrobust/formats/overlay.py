@@ -20,6 +20,8 @@ class UrdfSource:
         base_link, tip_link: Ends of the chain to take, None = the root, and all branches.
         lock: Joint name to the position [rad] or [m] that it is frozen at.
         links, joints: Overlays by name.
+        drive: Figures of every joint that moves freely, over all others: rotor_inertia, gear_ratio,
+            viscous, coulomb.
         tolerance: Bounds for parameters that have none of their own.
         xacro: Arguments of a xacro file by name.
         packages: Folders of packages by name, for ``package://NAME`` and ``$(find NAME)``.
@@ -35,5 +37,6 @@ class UrdfSource:
     links: Mapping[str, LinkOverlay] = field(default_factory=dict)
     joints: Mapping[str, JointOverlay] = field(default_factory=dict)
     tolerance: ToleranceModel | None = None
+    drive: Mapping[str, Node] = field(default_factory=dict)
     xacro: Mapping[str, str] = field(default_factory=dict)
     packages: Mapping[str, Path] = field(default_factory=dict)

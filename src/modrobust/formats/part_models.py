@@ -38,6 +38,17 @@ class FrictionModel(Part):
     )
 
 
+class DriveOptionModel(Part):
+    """Drive and friction of every joint that moves freely."""
+
+    rotor_inertia: Value | None = Field(None, description="Rotor inertia, motor side [kg m^2]")
+    gear_ratio: Point | None = Field(
+        None, description="Motor over joint; [rad/m] for prismatic joints"
+    )
+    viscous: Value | None = Field(None, description="[N m s/rad] or [N s/m]")
+    coulomb: Value | None = Field(None, description="[N m] or [N]")
+
+
 class InertiaModel(Part):
     """Tensor entries [kg m^2], products with their minus sign."""
 

@@ -47,13 +47,14 @@ static mr_status feed_forward(const mr_model *model, const mr_bounds *bounds,
     if (!mr_is_sound(bounds)) return MR_NOT_FINITE;
     const mr_status status = mr_full_state(model, &ws, given, &state);
     if (status) return status;
-    mr_point_of(model, &gains->centre, ws.point);
-    mr_newton_euler(model, ws.point, &state, &ws, ws.mid);
+    mr_torque_box(model, bounds, gains->method, &state, 1, &ws);
+    mr_total_bounds(model, gains->method, &ws);
+    mr_point_of(model, &gains->centre, ws.point); /* the links move as they did for the box */
+    mr_body_pass(model, ws.point, &ws);
+    mr_backward_recursion(model, &ws, ws.mid);
     mr_add_drives(model, &gains->centre, &state, ws.mid);
     mr_fold_mimic_torque(model, ws.mid);
     for (int32_t i = 0; i < model->n; ++i) nominal[i] = ws.mid[i];
-    mr_torque_box(model, bounds, gains->method, &state, 1, &ws);
-    mr_total_bounds(model, gains->method, &ws);
     for (int32_t i = 0; i < model->n; ++i) {
         const mr_interval d = {bounds->disturbance_lo[i], bounds->disturbance_hi[i]};
         const mr_interval tau = {ws.lo[i], ws.hi[i]}, u0 = {nominal[i], nominal[i]};

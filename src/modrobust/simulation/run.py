@@ -25,8 +25,7 @@ from numpy.typing import ArrayLike
 from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_number, did_you_mean
 from modrobust.checks.types import Array
-from modrobust.control import ControllerOptions, RobustController, settings_dict
-from modrobust.control.controller import RateWarning
+from modrobust.control import ControllerOptions, RateWarning, RobustController, settings_dict
 from modrobust.control.settings import kernel_loop, loop_dict
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment

@@ -28,6 +28,7 @@ from modrobust.model.symmetric import ENTRIES
 
 P = TypeVar("P", bound=Part)
 
+_DRIVE_PARTS = {"drive": ("rotor_inertia", "gear_ratio"), "friction": ("viscous", "coulomb")}
 _ZERO = Quantity(0.0, 0.0, 0.0, bounded=False)
 
 
@@ -155,9 +156,13 @@ def _nodes(
 
 
 def read_urdf_joint(
-    joint: Joint, overlay: JointOverlay | None, tolerances: Tolerances, remarks: JointRemarks
+    joint: Joint,
+    overlay: JointOverlay | None,
+    tolerances: Tolerances,
+    remarks: JointRemarks,
+    option: Mapping[str, Node] | None = None,
 ) -> JointItem:
-    """Limits, drive and friction of a joint.
+    """Limits, drive and friction of a joint; `option` counts more than URDF and overlay.
 
     Raises:
         DescriptionError: Limits that are reversed, equal or negative; negative friction or inertia.
@@ -165,7 +170,12 @@ def read_urdf_joint(
     owner = f"joint {joint.name}"
     given = overlay.node.entries if overlay is not None else {}
     limits = read_limits(joint, _entries(given.get("limits")), remarks)
-    drive = _drive(joint, _entries(given.get("drive")), remarks)
+    over = {
+        part: {key: node for key, node in (option or {}).items() if key in keys}
+        for part, keys in _DRIVE_PARTS.items()
+    }
+    giver = "it is given for all joints" if over["drive"] else "an assembly file gives its drive"
+    drive = _drive(joint, {**_entries(given.get("drive")), **over["drive"]}, remarks, giver)
     # Exporters write damping="0" for "not known"; 0 with a tolerance in per cent has no width.
     friction = _present(viscous=_nonzero(joint.damping), coulomb=_nonzero(joint.friction))
     parts = {"limits": limits, "drive": drive, "friction": friction}
@@ -179,6 +189,7 @@ def read_urdf_joint(
         if isinstance(overlaid, MapNode):
             written = written | overlaid.entries
             where, places = overlaid.where, overlaid.key_where
+        written = {**written, **over.get(key, {})}
         if written:
             entries[key] = MapNode(written, where, places)
     model = _model(JointModel, MapNode(entries, joint.where), owner)
@@ -190,7 +201,9 @@ def _entries(node: Node | None) -> Mapping[str, Node]:
     return node.entries if isinstance(node, MapNode) else {}
 
 
-def _drive(joint: Joint, overlaid: Mapping[str, Node], remarks: JointRemarks) -> dict[str, Node]:
+def _drive(
+    joint: Joint, overlaid: Mapping[str, Node], remarks: JointRemarks, giver: str
+) -> dict[str, Node]:
     """The drive: that of a transmission, or an armature, which is a rotor behind a gear of 1."""
     drive = joint.drive or Transmission(None, None)
     written = _present(gear_ratio=drive.reduction, rotor_inertia=_nonzero(drive.rotor_inertia))
@@ -200,7 +213,7 @@ def _drive(joint: Joint, overlaid: Mapping[str, Node], remarks: JointRemarks) ->
         return written
     said = f"armature of {armature.value:g}"
     if overlaid:
-        remarks.notes.append(f"{owner}: {said} left out, since an assembly file gives its drive")
+        remarks.notes.append(f"{owner}: {said} left out, since {giver}")
         return written
     if "rotor_inertia" in written:
         raise armature.node.where.error(

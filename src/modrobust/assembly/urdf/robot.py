@@ -162,7 +162,9 @@ def _joints(
     for motion in chosen.motions:
         joint = motion.joint
         with faults.of_joint(joint.name):
-            item = read_urdf_joint(joint, source.joints.get(joint.name), tolerances, remarks)
+            overlay = source.joints.get(joint.name)
+            option = source.drive if motion.mimic is None else {}  # the drive of its leader
+            item = read_urdf_joint(joint, overlay, tolerances, remarks, option)
             before, after = motion.before.rounded(), motion.after.rounded()
             placed.append(PlacedJoint(joint.name, item, motion.parent, before, after, motion.mimic))
     notes += remarks.sentences()
