@@ -28,7 +28,8 @@ class Record:
 
     Args:
         run: Which one.
-        feasible: Whether the motion leaves the true robot a fifth of its torque limits.
+        feasible: Whether the motion leaves the true robot a fifth of its torque limits. The run was
+            done without limits where no motion does.
         late: When the late part begins [s].
         epsilon: Norm of the tracking error that the law was made for [rad] or [m].
         diverged: Whether the loop left the range that can be computed.

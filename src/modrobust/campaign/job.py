@@ -21,7 +21,7 @@ from modrobust.simulation import SimulationResult, simulate, true_robot
 from modrobust.simulation.plants import BUILTIN
 from modrobust.simulation.run import TrueRobot
 
-_REMEMBERED = 128
+_REMEMBERED = 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +62,8 @@ class Job:
             motion = start = drawn.trajectory
             feasible = drawn.feasible
             late = LATE if TIMES[run.motion] <= 1.0 else LATE_OF_OTHERS
-        # Where no motion leaves room, what the limits do says nothing about the law.
-        loop = loop if feasible else replace(loop, saturation=False)
+        if not feasible:  # then what the limits do says nothing about the law
+            robot = replace(robot, effort_limits=np.full(robot.n, np.inf))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RateWarning)
             result = simulate(
