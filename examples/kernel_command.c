@@ -59,7 +59,8 @@ int main(void) {
                       .placement = placement,
                       .inertia_about = inertia_about,
                       .gravity = {0, -9.81, 0}};
-    if (mr_precomputed_size(&model) > MEMORY || mr_workspace_size(&model) > MEMORY) return 1;
+    if (mr_precomputed_size(&model) > MEMORY || mr_command_workspace_size(&model) > MEMORY)
+        return 1;
     mr_precompute_model(&model, precomputed);
     model.precomputed = precomputed;
 

@@ -160,6 +160,15 @@ def test_there_are_no_import_cycles() -> None:
     TopologicalSorter(internal_edges(parsed_modules())).prepare()  # raises CycleError
 
 
+def test_no_two_classes_have_one_name() -> None:
+    homes: dict[str, list[str]] = {}
+    for module, tree in parsed_modules().items():
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef):
+                homes.setdefault(node.name, []).append(module)
+    assert {name: found for name, found in homes.items() if len(found) > 1} == {}
+
+
 def test_typer_and_rich_stay_in_the_command_line_and_heavy_packages_are_imported_late() -> None:
     found = [f for name, tree in parsed_modules().items() for f in foreign_top_imports(name, tree)]
     assert found == []

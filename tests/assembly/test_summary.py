@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from modrobust.assembly.summary import Masses, exact_groups, report
+from modrobust.assembly.summary import MassFigures, exact_groups, report
 from modrobust.model import Bounded, ControllerSettings, Parameters, Robot
 from support.float_transforms import from_xyz_rpy, translation
 
@@ -93,11 +93,11 @@ def test_limits_that_are_not_given_are_none():
 
 def test_masses_add_up_per_link_and_in_all_with_their_bounds():
     found = report(arm(base_body=True), poses=10)
-    assert found.total_mass == Masses(11.0, 10.0, 12.0)
+    assert found.total_mass == MassFigures(11.0, 10.0, 12.0)
     assert [(link.joint, link.bodies, link.mass) for link in found.links] == [
-        ("base", ("mount.body",), Masses(7.0, 7.0, 7.0)),
-        ("a.axis", ("a.body",), Masses(2.0, 2.0, 2.0)),
-        ("b.axis", ("b.body",), Masses(2.0, 1.0, 3.0)),
+        ("base", ("mount.body",), MassFigures(7.0, 7.0, 7.0)),
+        ("a.axis", ("a.body",), MassFigures(2.0, 2.0, 2.0)),
+        ("b.axis", ("b.body",), MassFigures(2.0, 1.0, 3.0)),
     ]
 
 

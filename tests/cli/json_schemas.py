@@ -142,9 +142,12 @@ SETTINGS = record(
         ),
         "seed": COUNT,
         "K_r": NUMBERS,
-        "law": exactly("norm"),
+        "law": exactly("norm", "componentwise", "sampled"),
         "bound": exactly("hull", "ianea"),
-        **dict.fromkeys(("kappa_P", "kappa_I", "phi_P", "phi_I", "epsilon"), SIZE),
+        **dict.fromkeys(("kappa_P", "kappa_I", "phi_P", "phi_I", "epsilon", "leak"), SIZE),
+        **dict.fromkeys(("kappa_max", "phi_max", "G", "Lambda", "L_i"), optional(SIZE)),
+        "blend": SIZE,
+        **dict.fromkeys(("hold_aware", "integral", "predictor", "vector_saturation"), FLAG),
         "trajectory": {
             "anyOf": [
                 record({"kind": exactly("sines"), "amplitude": NUMBERS, "omega": NUMBERS}),
@@ -157,9 +160,19 @@ SETTINGS = record(
         "motion_time": optional(SIZE),
         "motion_remarks": array(TEXT),
         "duration": SIZE,
-        "rate": SIZE,
-        "hold": TEXT,
+        "loop": record(
+            {
+                **dict.fromkeys(("rate", "delay", "filter", "frequency"), SIZE),
+                **dict.fromkeys(("noise_position", "noise_velocity"), array(SIZE)),
+                **dict.fromkeys(("quantisation_position", "quantisation_velocity"), array(SIZE)),
+                "noise": exactly("uniform", "worst"),
+                "velocity": exactly("measured", "differentiated"),
+                "saturation": FLAG,
+                "disturbance": exactly("constant", "sine", "random", "worst"),
+            }
+        ),
         "substeps": COUNT,
+        "integrator": TEXT,
         "plant": exactly("builtin", "mujoco", "pinocchio"),
         "log_step": SIZE,
         "q0": NUMBERS,

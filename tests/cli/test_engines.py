@@ -15,7 +15,7 @@ import modrobust as mr
 from support.command_line import COMMAND, EXECUTABLE, environment
 
 BARE = EXECUTABLE is not None  # an environment without extras
-PAYLOAD = ("simulate", "lwa4p-payload", "--control-rate", "3000", "--duration", "0.1 s")
+PAYLOAD = ("simulate", "lwa4p-payload", "--rate", "3000", "--duration", "0.1 s")
 
 
 def test_assemble_writes_urdf_and_mjcf_and_says_what_they_do_not_hold(run, tmp_path: Path) -> None:

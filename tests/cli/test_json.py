@@ -67,14 +67,14 @@ def test_assemble(run, tmp_path: Path, name: str) -> None:
         ("--trajectory", "quintic"),
         ("--trajectory", "rest.csv"),
         ("--parameters", "upper", "--seed", "3"),
-        ("--control-rate", "1kHz", "--duration", "1s"),  # diverges
+        ("--rate", "1kHz", "--duration", "1s"),  # diverges
     ],
 )
 def test_simulate(run, tmp_path: Path, options: tuple[str, ...]) -> None:
     (tmp_path / "rest.csv").write_text("0,0,0,0,0,0,0\n9,0,0,0,0,0,0\n")
     figures = json.loads(run(*SHORT, *options, "--json").stdout)
     check("simulate", figures)
-    assert figures["diverged"] is ("--control-rate" in options)
+    assert figures["diverged"] is ("--rate" in options)
 
 
 def test_a_run_that_was_interrupted_before_anything_has_the_same_keys() -> None:

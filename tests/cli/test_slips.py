@@ -22,23 +22,23 @@ def refused(run, message: str, *arguments: str) -> None:
     [
         (
             "payload: {mass: 1e299 kg, com: [0, 0, 0.1]}",
-            "arm.yaml:4: payload.mass: 1e+299 kg is beyond 1e+12 kg; no robot has that; correct it",
+            "arm.yaml:4: payload.mass: 1e+299 kg is beyond 1e+12 kg; no robot has that; check its exponent",
         ),
         (
             "payload: {mass: '[0, 1e13]', com: [0, 0, 0.1]}".replace("'", ""),
-            "arm.yaml:4: payload.mass: 1e+13 kg is beyond 1e+12 kg; no robot has that; correct it",
+            "arm.yaml:4: payload.mass: 1e+13 kg is beyond 1e+12 kg; no robot has that; check its exponent",
         ),
         (
             "payload: {mass: 1 kg, com: [0, 0, -1e10 m]}",
-            "arm.yaml:4: payload.com[2]: 1e+10 m is beyond 1e+09 m; no robot has that; correct it",
+            "arm.yaml:4: payload.com[2]: 1e+10 m is beyond 1e+09 m; no robot has that; check its exponent",
         ),
         (
             "payload: {mass: 1 kg, com: [0, 0, 0], inertia: {xx: 1e31, yy: 1e31, zz: 1e31}}",
-            "arm.yaml:4: payload.inertia.xx: 1e+31 kg m^2 is beyond 1e+30 kg m^2; no robot has that; correct it",
+            "arm.yaml:4: payload.inertia.xx: 1e+31 kg m^2 is beyond 1e+30 kg m^2; no robot has that; check its exponent",
         ),
         (
             "payload: {mass: 1 kg, com: [0, 0, 0], size: [1, 1, -0.5 m]}",
-            "arm.yaml:4: payload.size[2]: -0.5 m is not positive; the edge of a box is above 0, its lower bound too; correct it",
+            "arm.yaml:4: payload.size[2]: -0.5 m is not positive; the edge of a box is above 0, its lower bound too; write a positive length",
         ),
         (
             'payload: {mass: "0,9 kg", com: [0, 0, 0]}',

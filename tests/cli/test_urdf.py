@@ -62,7 +62,8 @@ def test_bad_urdfs_and_options_exit_with_2_and_one_message(run, tmp_path: Path) 
     for arguments, message in (
         (
             ("bad.urdf",),
-            "bad.urdf:3: link a, mass: -2 kg is negative; a body's mass is at least 0; correct it",
+            "bad.urdf:3: link a, mass: -2 kg is negative; a body's mass is at least 0; write "
+            "0 or more",
         ),
         (
             ("arm.urdf", "--lock", "grip"),

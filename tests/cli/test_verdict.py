@@ -90,7 +90,7 @@ def test_a_run_that_diverged_has_one_cause_one_remedy_and_nothing_under_it(
     file = arm(tmp_path, "[1 kg, 1.2 kg]")
     text = (tmp_path / file).read_text().replace("phi_P: 200", "phi_P: 1e4")
     (tmp_path / file).write_text(text)
-    result = run("simulate", file, "--control-rate", "1kHz", "--duration", "1s")
+    result = run("simulate", file, "--rate", "1kHz", "--duration", "1s")
     assert (result.returncode, result.stderr) == (1, "")
     head, _, verdict = result.stdout.partition("\n\n")
     assert len(head.splitlines()) == 3

@@ -156,7 +156,7 @@ def test_settings_default_to_the_robots_and_keywords_override_them(robot: Robot)
         (
             {"law": ["norm"]},
             ValueRangeError,
-            'law: no law "[\'norm\']"; did you mean "norm"? known: norm, componentwise, sampled, auto',
+            'did you mean "norm"? known: norm, componentwise, sampled, auto',
         ),
         ({"bound": "exact"}, ValueRangeError, 'bound: no bound "exact"; known: hull, ianea'),
         ({"kappa_P": -1}, ValueRangeError, "kappa_P: -1; must be finite and not negative"),

@@ -39,7 +39,7 @@ ASSEMBLY_CASES = [
         "modules: [., nowhere]",
         (
             'r.yaml:3: modules: no directory "nowhere"; directories are relative to this '
-            "file; correct it"
+            "file; make it or name another"
         ),
     ),
     (
@@ -79,7 +79,8 @@ ASSEMBLY_CASES = [
         "a mount of many turns",
         "mount: 90 deg",
         "mount: 1e300",
-        "r.yaml:7: chain[1].mount: 1e+300 rad; an angle lies within 100000 rad; correct it",
+        "r.yaml:7: chain[1].mount: 1e+300 rad; an angle lies within 100000 rad; reduce it by "
+        "whole turns",
     ),
     (
         "a mount in metres",
@@ -123,7 +124,7 @@ ASSEMBLY_CASES = [
         "size: [1, 1, 0], com: [0",
         (
             "r.yaml:8: payload.size[2]: 0 m is not positive; the edge of a box is above 0, "
-            "its lower bound too; correct it"
+            "its lower bound too; write a positive length"
         ),
     ),
     (
@@ -165,13 +166,14 @@ ASSEMBLY_CASES = [
         "a negative gain",
         "K_r: 10",
         "K_r: -1",
-        "r.yaml:10: controller.K_r: -1 is not positive; it must be above 0; correct it",
+        "r.yaml:10: controller.K_r: -1 is not positive; it must be above 0; write a positive "
+        "number",
     ),
     (
         "a negative integrator gain",
         "kappa_P: 2",
         "kappa_P: -2",
-        "r.yaml:10: controller.kappa_P: -2 is negative; it is at least 0; correct it",
+        "r.yaml:10: controller.kappa_P: -2 is negative; it is at least 0; write 0 or more",
     ),
     (
         "a law that is none",
@@ -186,7 +188,10 @@ ASSEMBLY_CASES = [
         "an epsilon of zero",
         "epsilon: 0.01 rad",
         "epsilon: 0 rad",
-        ("r.yaml:10: controller.epsilon: 0 is not positive; it must be above 0; correct it"),
+        (
+            "r.yaml:10: controller.epsilon: 0 is not positive; it must be above 0; write a "
+            "positive number"
+        ),
     ),
     (
         "a trajectory of unknown kind",
@@ -210,7 +215,10 @@ ASSEMBLY_CASES = [
         "a negative duration",
         "duration: 10 s",
         "duration: -10 s",
-        ("r.yaml:11: trajectory.duration: -10 is not positive; it must be above 0; correct it"),
+        (
+            "r.yaml:11: trajectory.duration: -10 is not positive; it must be above 0; write "
+            "a positive number"
+        ),
     ),
     (
         "sines without frequency",

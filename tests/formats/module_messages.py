@@ -71,7 +71,7 @@ MODULE_CASES = [
         "xx: 0.02 kg m^99",
         (
             'arm.yaml:20: body link, inertia.xx: "0.02 kg m^99": "kg m^99" has the power '
-            "99; powers go up to 6; correct it"
+            "99; powers go up to 6; lower it"
         ),
     ),
     (
@@ -80,7 +80,7 @@ MODULE_CASES = [
         "mass: heavy",
         (
             'arm.yaml:18: body link, mass: "heavy" is not a number; a quantity is NUMBER '
-            '[UNIT] such as "101.3 mm", "5e-5 kg m^2" or "3.9 kg ± 2%"; correct it'
+            '[UNIT] such as "101.3 mm", "5e-5 kg m^2" or "3.9 kg ± 2%"; write it so'
         ),
     ),
     (
@@ -116,7 +116,7 @@ MODULE_CASES = [
         "mass: " + "9" * 100 + "e299",
         (
             "arm.yaml:18: body link, mass: too large; numbers stay below 1.79e308 in SI "
-            "units; correct it"
+            "units; check its exponent"
         ),
     ),
     (
@@ -162,7 +162,7 @@ MODULE_CASES = [
         "alpha: pi/0",
         (
             'arm.yaml:17: body link, span.dh.alpha: "pi/0" divides by 0; a number is '
-            "finite; correct it"
+            "finite; divide by another"
         ),
     ),
     (
@@ -180,7 +180,7 @@ MODULE_CASES = [
         "alpha: 1e7 deg",
         (
             "arm.yaml:17: body link, span.dh.alpha: 174533 rad; an angle lies within 100000 rad; "
-            "correct it"
+            "reduce it by whole turns"
         ),
     ),
     (
@@ -383,7 +383,7 @@ MODULE_CASES = [
         "mass: -2 kg",
         (
             "arm.yaml:18: body link, mass: -2 kg is negative; a body's mass is at least "
-            "0; correct it"
+            "0; write 0 or more"
         ),
     ),
     (
@@ -456,7 +456,10 @@ MODULE_CASES = [
         "a negative friction",
         "viscous: 1 N m s/rad",
         "viscous: -1 N m s/rad",
-        ("arm.yaml:15: joint axis, friction.viscous: -1 is negative; it is at least 0; correct it"),
+        (
+            "arm.yaml:15: joint axis, friction.viscous: -1 is negative; it is at least 0; "
+            "write 0 or more"
+        ),
     ),
     (
         "a friction whose bounds go below zero",
@@ -464,7 +467,7 @@ MODULE_CASES = [
         "viscous: 1 N m s/rad ± 200%",
         (
             "arm.yaml:15: joint axis, friction.viscous: lower bound -1 is negative; it is "
-            "at least 0; correct it"
+            "at least 0; write 0 or more"
         ),
     ),
     (
@@ -482,7 +485,7 @@ MODULE_CASES = [
         "gear_ratio: 0",
         (
             "arm.yaml:14: joint axis, drive.gear_ratio: 0 is not positive; it must be "
-            "above 0; correct it or leave it out"
+            "above 0; write a positive number or leave it out"
         ),
     ),
     (
@@ -739,7 +742,11 @@ MODULE_CASES = [
         "an escape beyond Unicode",
         "name: Arm",
         'name: "\\UFFFFFFFF"',
-        ("arm.yaml:3: not YAML: an escape after this line is no Unicode character; correct it"),
+        (
+            "arm.yaml:3: not YAML: an escape after this line is no Unicode character; write "
+            "the letter "
+            "itself"
+        ),
     ),
     (
         "half a surrogate pair",

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from modrobust.errors import DescriptionError
-from modrobust.formats import Csv, PerJoint, Quintic, Sines, instance_names, load_assembly
+from modrobust.formats import (
+    CsvEntry,
+    PerJoint,
+    QuinticEntry,
+    SinesEntry,
+    instance_names,
+    load_assembly,
+)
 from modrobust.formats.exact import above
 from modrobust.formats.naming import instance_names_of
 from modrobust.formats.reader import _parse_yaml
@@ -87,14 +94,14 @@ def test_a_payload_with_a_size_is_a_box(load):
 
 def test_trajectories_of_each_kind(load):
     sines = load().trajectory
-    assert isinstance(sines, Sines)
+    assert isinstance(sines, SinesEntry)
     assert (sines.omega, sines.duration) == ((math.pi / 5,), 10.0)
     sample = "kind: sines, amplitude: pi/2, omega: [pi/5 rad/s]"
     quintic = load((sample, "kind: quintic, points: [{at: 0, q: 0}, {at: 2 s, q: 1}]")).trajectory
-    assert isinstance(quintic, Quintic)
+    assert isinstance(quintic, QuinticEntry)
     assert [at for at, _ in quintic.points] == [0.0, 2.0]
     csv = load((sample, "kind: csv, file: motion.csv")).trajectory
-    assert csv == Csv(Path("motion.csv"), 10.0)
+    assert csv == CsvEntry(Path("motion.csv"), 10.0)
 
 
 def test_one_quantity_holds_for_all_joints():

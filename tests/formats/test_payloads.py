@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -109,7 +110,10 @@ def test_an_option_stands_over_the_payloads_of_a_file():
 
 
 def test_a_robot_in_python_takes_payloads():
-    payloads = {"empty": "none", "box": {"mass": 2, "com": [0, 0, 0.05], "size": [0.1, 0.1, 0.1]}}
+    payloads: dict[str, Any] = {
+        "empty": "none",
+        "box": {"mass": 2, "com": [0, 0, 0.05], "size": [0.1, 0.1, 0.1]},
+    }
     robot = build_robot("two", ["arm"], modules=".", payloads=payloads)
     assert robot.payloads["box"][0].mass[-1] == 2.0
 
@@ -155,7 +159,7 @@ def test_payloads_are_refused_for(text, message):
 
 def test_a_robot_that_carries_nothing_must_still_have_inertia():
     light = {"xx": 0, "yy": 0, "zz": 0, "physical": "as-written"}
-    chain = [
+    chain: list[Any] = [
         {"joint": "axis", "type": "revolute"},
         {"body": "rod", "mass": 1, "com": [0, 0, 0], "inertia": light},
     ]

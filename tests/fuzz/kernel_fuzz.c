@@ -126,10 +126,56 @@ static void check_plant(fuzz_case *c) {
             CHECK(all_finite(9, frames[i].R) && all_finite(3, frames[i].p));
 }
 
+/* A few commands of one law: numbers and a state that moves on, or a status and nothing new. */
+static void check_law(fuzz_case *c, mr_law law, double *work) {
+    const mr_model *model = &c->model;
+    const size_t n = (size_t)model->n, size = mr_controller_memory_size(model);
+    double *kept = allocate(c, size * sizeof *kept);
+    c->gains.law = law;
+    mr_controller_state state = {.memory = memory(c, size)};
+    for (int tick = 0; tick < TICKS; ++tick) {
+        mr_command_out out = {.tau = outputs(c, n),
+                              .nominal = outputs(c, n),
+                              .v = outputs(c, n),
+                              .phi_lo = outputs(c, n),
+                              .phi_hi = outputs(c, n),
+                              .rho = outputs(c, n),
+                              .rho_norm = UNTOUCHED,
+                              .kappa = UNTOUCHED,
+                              .phi = UNTOUCHED,
+                              .alpha = UNTOUCHED};
+        const mr_controller_state before = state;
+        memcpy(kept, state.memory, size * sizeof *kept);
+        const mr_status status =
+            mr_command(model, &c->bounds, &c->gains, c->t + tick * c->elapsed, c->q, c->dq,
+                       c->q_des, c->dq_a, c->ddq_a, work, &state, &out);
+        const double *const vectors[6] = {out.tau,    out.nominal, out.v,
+                                          out.phi_lo, out.phi_hi,  out.rho};
+        for (int k = 0; k < 6; ++k) check_output(status, n, vectors[k]);
+        check_output(status, 1, &out.rho_norm);
+        check_output(status, 1, &out.kappa);
+        check_output(status, 1, &out.phi);
+        check_output(status, 1, &out.alpha);
+        if (status) {
+            CHECK(memcmp(&before, &state, sizeof state) == 0);
+            CHECK(memcmp(kept, state.memory, size * sizeof *kept) == 0);
+            continue;
+        }
+        check_order(n, out.phi_lo, out.phi_hi);
+        CHECK(out.alpha > 0.0 && out.alpha <= 1.0);
+        if (law != MR_LAW_SAMPLED) continue;
+        CHECK(all_finite(size, state.memory));
+        if (!c->gains.integral) continue;
+        for (size_t i = 0; i < n; ++i) /* sigma, which comes first */
+            CHECK(out.phi_lo[i] <= state.memory[i] && state.memory[i] <= out.phi_hi[i]);
+    }
+}
+
 static void check_commands(fuzz_case *c) {
     const mr_model *model = &c->model;
     const size_t n = (size_t)model->n;
     double *work = memory(c, mr_workspace_size(model)), *u0 = outputs(c, n);
+    double *more = memory(c, mr_command_workspace_size(model));
     for (int m = MR_HULL; m <= MR_IANEA; ++m) {
         double *lo = outputs(c, n), *hi = outputs(c, n);
         const mr_status set = mr_perturbation_bounds(model, &c->bounds, (mr_method)m, c->q, c->dq,
@@ -138,42 +184,19 @@ static void check_commands(fuzz_case *c) {
         check_output(set, n, hi);
         if (!set) check_order(n, lo, hi);
         c->gains.method = (mr_method)m;
-        c->gains.law = MR_LAW_NORM;
-        mr_controller_state state = {0};
-        for (int tick = 0; tick < TICKS; ++tick) {
-            mr_command_out out = {.tau = outputs(c, n),
-                                  .nominal = outputs(c, n),
-                                  .v = outputs(c, n),
-                                  .phi_lo = outputs(c, n),
-                                  .phi_hi = outputs(c, n),
-                                  .rho = outputs(c, n),
-                                  .rho_norm = UNTOUCHED,
-                                  .kappa = UNTOUCHED,
-                                  .phi = UNTOUCHED};
-            const mr_controller_state before = state;
-            const mr_status status =
-                mr_command(model, &c->bounds, &c->gains, c->t + tick * c->elapsed, c->q, c->dq,
-                           c->q_des, c->dq_a, c->ddq_a, work, &state, &out);
-            const double *const vectors[6] = {out.tau,    out.nominal, out.v,
-                                              out.phi_lo, out.phi_hi,  out.rho};
-            for (int k = 0; k < 6; ++k) check_output(status, n, vectors[k]);
-            check_output(status, 1, &out.rho_norm);
-            check_output(status, 1, &out.kappa);
-            check_output(status, 1, &out.phi);
-            if (status) CHECK(memcmp(&before, &state, sizeof state) == 0);
-            if (!status) check_order(n, out.phi_lo, out.phi_hi);
-        }
+        for (int law = MR_LAW_NORM; law <= MR_LAW_SAMPLED; ++law) check_law(c, (mr_law)law, more);
     }
 }
 
-static void check_loop(fuzz_case *c) {
+/* The loop of one law with the plant, the sensor and the disturbance of the input. */
+static void check_loop(fuzz_case *c, mr_law law) {
     const mr_model *model = &c->model;
     const size_t n = (size_t)model->n;
     double *work = memory(c, mr_loop_workspace_size(model));
     double *reference[3] = {outputs(c, TICKS * n), outputs(c, TICKS * n), outputs(c, TICKS * n)};
-    double *rows[14], *own[5];
-    for (int k = 0; k < 14; ++k) rows[k] = outputs(c, TICKS * (k ? n : 1));
-    for (int k = 0; k < 5; ++k) own[k] = memset(outputs(c, n), 0, n * sizeof(double));
+    double *rows[15], *own[8];
+    for (int k = 0; k < 15; ++k) rows[k] = outputs(c, TICKS * (k ? n : 1));
+    for (int k = 0; k < 8; ++k) own[k] = memset(outputs(c, n), 0, n * sizeof(double));
     for (size_t k = 0; k < TICKS * n; ++k) {
         reference[0][k] = c->q_des[k % n];
         reference[1][k] = c->dq_a[k % n];
@@ -181,23 +204,33 @@ static void check_loop(fuzz_case *c) {
     }
     memcpy(own[0], c->q, n * sizeof(double));
     memcpy(own[1], c->dq, n * sizeof(double));
+    c->gains.law = law;
     mr_loop loop = {.dt = c->elapsed,
-                    .substeps = 1,
+                    .substeps = 2,
+                    .implicit = c->implicit,
+                    .delay = c->late,
+                    .saturation = c->saturation,
+                    .sensor = c->sensor,
+                    .disturbance = c->disturbance,
                     .q = own[0],
                     .dq = own[1],
                     .tau_previous = own[2],
                     .tau_max = own[3],
-                    .total_variation = own[4]};
-    mr_loop_log log = {rows[0], rows[1], rows[2], rows[3],  rows[4],  rows[5],  rows[6],
-                       rows[7], rows[8], rows[9], rows[10], rows[11], rows[12], rows[13]};
-    mr_controller_state state = {0};
+                    .total_variation = own[4],
+                    .ticks_at_limit = own[5]};
+    loop.sensor.previous_q = own[6];
+    loop.sensor.rate = own[7];
+    mr_loop_log log = {rows[0], rows[1], rows[2],  rows[3],  rows[4],  rows[5],  rows[6], rows[7],
+                       rows[8], rows[9], rows[10], rows[11], rows[12], rows[13], rows[14]};
+    mr_controller_state state = {.memory = memory(c, mr_controller_memory_size(model))};
     int32_t logged = -1;
     const mr_status status = mr_loop_advance(
-        model, &c->bounds, &c->gains, &c->bounds.nominal, c->bounds.disturbance_lo, TICKS,
-        reference[0], reference[1], reference[2], 1, work, &state, &loop, &log, &logged);
+        model, &c->bounds, &c->gains, &c->bounds.nominal, TICKS, reference[0], reference[1],
+        reference[2], 1, work, &state, &loop, &log, &logged);
     CHECK(logged >= 0 && logged <= TICKS && loop.ticks >= 0 && loop.ticks <= TICKS);
     CHECK(status || loop.ticks == TICKS);
-    for (int k = 0; k < 14; ++k) CHECK(all_finite((size_t)logged * (k ? n : 1), rows[k]));
+    CHECK(loop.limited >= 0 && loop.limited <= loop.ticks);
+    for (int k = 0; k < 15; ++k) CHECK(all_finite((size_t)logged * (k ? n : 1), rows[k]));
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
@@ -207,7 +240,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     check_batch(&c);
     check_plant(&c);
     check_commands(&c);
-    check_loop(&c);
+    for (int law = MR_LAW_NORM; law <= MR_LAW_SAMPLED; ++law) check_loop(&c, (mr_law)law);
     release(&c);
     return 0;
 }

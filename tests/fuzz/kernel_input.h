@@ -30,7 +30,10 @@ typedef struct {
     mr_gains gains;
     const double *q, *dq, *dq_a, *ddq_a, *q_des;
     double t, elapsed;
-    int drives;
+    mr_sensor sensor;
+    mr_disturbance disturbance;
+    double late; /* in periods, as loop and controller have it */
+    int drives, implicit, saturation;
     int usual; /* orthonormal rotations, lengths up to 1e6, finite box and speeds */
     block *blocks;
 } fuzz_case;
@@ -236,6 +239,50 @@ static void take_bounds(fuzz_case *c, bytes *in) {
     c->bounds.prepared = prepared;
 }
 
+static double within(double x, double lo, double hi) { return x > lo ? x < hi ? x : hi : lo; }
+
+/* What the laws for a held command know of the loop; numbers that they compute with are any. */
+static void take_held(fuzz_case *c, bytes *in) {
+    mr_gains *gains = &c->gains;
+    gains->kappa_max = take_double(in);
+    gains->phi_max = take_double(in);
+    gains->leak = take_double(in);
+    gains->hold_aware = take_byte(in) & 1;
+    gains->period = take_double(in);
+    gains->delay = c->late = within(take_double(in), 0.0, 1.0);
+    gains->G = take_double(in);
+    gains->Lambda = take_double(in);
+    gains->L_i = take_double(in);
+    gains->blend = take_double(in);
+    const uint8_t parts = take_byte(in);
+    gains->integral = parts & 1;
+    gains->predictor = parts >> 1 & 1;
+    gains->vector_saturation = parts >> 2 & 1;
+    double *limit = take_doubles(c, in, c->model.n);
+    for (int32_t i = 0; i < c->model.n; ++i) limit[i] = fabs(limit[i]);
+    gains->effort_limit = limit;
+    gains->centre = c->bounds.nominal;
+    gains->light = c->bounds.lower;
+}
+
+/* How the loop measures, and what disturbs it. */
+static void take_drive(fuzz_case *c, bytes *in) {
+    const int32_t n = c->model.n;
+    const uint8_t kinds = take_byte(in);
+    c->implicit = kinds & 1;
+    c->saturation = kinds >> 1 & 1;
+    c->sensor.worst = kinds >> 2 & 1;
+    c->disturbance.kind = (mr_disturbance_kind)(kinds >> 3 & 3);
+    c->sensor.noise_q = kinds & 32 ? take_doubles(c, in, n) : NULL;
+    c->sensor.noise_dq = kinds & 32 ? take_doubles(c, in, n) : NULL;
+    c->sensor.step_q = kinds & 64 ? take_doubles(c, in, n) : NULL;
+    c->sensor.step_dq = kinds & 64 ? take_doubles(c, in, n) : NULL;
+    c->sensor.filter = within(take_double(in), 0.0, 1.0);
+    c->disturbance.frequency = within(take_double(in), 0.0, 1e9);
+    c->disturbance.constant = c->bounds.disturbance_lo;
+    c->sensor.random[0] = c->disturbance.random[0] = 1 + take_byte(in);
+}
+
 static void take_case(fuzz_case *c, const uint8_t *data, size_t size) {
     bytes in = {data, data + size};
     memset(c, 0, sizeof *c);
@@ -257,10 +304,12 @@ static void take_case(fuzz_case *c, const uint8_t *data, size_t size) {
     c->gains.phi_P = take_double(&in);
     c->gains.phi_I = take_double(&in);
     c->gains.epsilon = take_double(&in);
-    int32_t *wraps = allocate(c, (size_t)n * sizeof *wraps); /* last: older inputs have none */
+    int32_t *wraps = allocate(c, (size_t)n * sizeof *wraps); /* older inputs end here */
     for (int32_t i = 0; i < n; ++i)
         wraps[i] = (take_byte(&in) & 1) && c->model.joint_type[i] == MR_REVOLUTE;
     c->model.wraps = wraps;
+    take_held(c, &in);
+    take_drive(c, &in);
 }
 
 #endif

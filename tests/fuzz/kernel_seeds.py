@@ -59,7 +59,21 @@ def encode(robot: mr.Robot, rng: np.random.Generator) -> bytes:
     out.append(b"\x01" + numbers([0.0, 1e-3, *np.broadcast_to(c.K_r, robot.n)]))
     out.append(numbers([c.kappa_P, c.kappa_I, c.phi_P, c.phi_I, c.epsilon]))
     out.append(bytes(robot.wraps.tolist()))
+    out += held_and_driven(robot, rng)
     return b"".join(out)
+
+
+def held_and_driven(robot: mr.Robot, rng: np.random.Generator) -> list[bytes]:
+    """Gains of the laws for a held command, and a loop that a drive runs, each kind at random."""
+    limits = np.where(np.isfinite(robot.effort_limits), robot.effort_limits, 1e3)
+    sizes = np.array([[1e-4], [1e-2], [1e-5], [1e-3]]) * np.ones(robot.n)
+    return [
+        numbers([3.0, 2.0, 0.5]) + bytes(rng.integers(0, 2, 1).tolist()),
+        numbers([1e-3, rng.random(), 40.0, 20.0, 80.0, 2e-3]) + bytes([int(rng.integers(8))]),
+        numbers(limits),
+        bytes([int(rng.integers(128)) | 96]) + numbers(sizes.ravel()),
+        numbers([0.3 * (rng.random() < 0.5), 2.0]) + bytes([int(rng.integers(256))]),
+    ]
 
 
 def write_seeds(folder: Path) -> int:

@@ -16,7 +16,8 @@ int main(int count, char **arguments) {
     double *prepared = malloc(mr_prepared_size(&model) * sizeof *prepared);
     mr_prepare(&model, &bounds, prepared);
     bounds.prepared = prepared;
-    double *work = malloc(mr_workspace_size(&model) * sizeof *work);
+    double *work = malloc(mr_command_workspace_size(&model) * sizeof *work);
+    double *memory = malloc(mr_controller_memory_size(&model) * sizeof *memory);
     double out[6][JOINTS];
     mr_command_out answer = {.tau = out[0],
                              .nominal = out[1],
@@ -25,7 +26,7 @@ int main(int count, char **arguments) {
                              .phi_hi = out[4],
                              .rho = out[5]};
     for (long round = 0; round < rounds; ++round) {
-        mr_controller_state state = {0};
+        mr_controller_state state = {.memory = memory};
         for (int k = 0; k < STATES; ++k)
             if (mr_command(&model, &bounds, &command_gains, 1e-3 * k, signals[k][0], signals[k][1],
                            signals[k][2], signals[k][3], signals[k][4], work, &state, &answer))

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from support.kernel.kernel_cases import beyond_native, by_extension, differences, outcome
+from support.kernel.kernel_cases import by_extension, differences, outcome
 from support.kernel.python_cases import from_python
 
 
@@ -39,7 +39,7 @@ def main(library: str, kind: str, folder: str) -> None:
     wrong: list[str] = []
     cases, in_python = pickle.loads((Path(folder) / "cases").read_bytes())
     for robot, state, expected in cases:
-        found = by_extension(robot, state, run) | beyond_native(robot, state, run)
+        found = by_extension(robot, state, run)
         wrong += [f"{robot.name} {name}" for name in differences(expected, found)]
     found = from_python(Path(folder), run)
     wrong += [name for name in in_python if found[name] != in_python[name]]

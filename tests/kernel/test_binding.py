@@ -13,6 +13,8 @@ import pytest
 import modrobust as mr
 from modrobust import _kernel
 from modrobust.model import synthetic_chain
+from support.kernel.native import gains_of
+from support.loops import make_loop
 
 ROBOT = synthetic_chain(3)
 N = ROBOT.n
@@ -21,8 +23,8 @@ ROWS = np.zeros((2, N))
 BOX = (ROBOT.nominal.packed, ROBOT.lower.packed, ROBOT.upper.packed)
 DISTURBANCE = np.zeros((2, N))
 STATE = (ZERO,) * 4
-GAINS = (1.0,) * 4
-CONTROLLER = mr.RobustController(ROBOT).kernel
+OWN = mr.RobustController(ROBOT)
+CONTROLLER = OWN.kernel
 
 
 def parts(**changes: Any) -> list[Any]:
@@ -122,7 +124,7 @@ def test_rows_of_another_shape_are_refused(shape: tuple[int, int]) -> None:
         )
     with pytest.raises(ValueError, match="expected shape \\(k, n\\)"):
         CONTROLLER.time_commands(np.zeros(2), ROWS, ROWS, ROWS, ROWS, other)
-    loop = _kernel.Loop(CONTROLLER, BOX[0], ZERO, ZERO, ZERO, 1e-3, 1)
+    loop = make_loop(OWN)
     with pytest.raises(ValueError, match="expected shape \\(k, n\\)"):
         loop.advance(ROWS, ROWS, other, 1)
 
@@ -140,7 +142,7 @@ def test_a_disturbance_of_another_shape_is_refused(shape: tuple[int, int]) -> No
     with pytest.raises(ValueError, match="disturbance"):
         _kernel.perturbation_bounds(ROBOT.model, *BOX, other, *STATE, _kernel.HULL)
     with pytest.raises(ValueError, match="disturbance"):
-        _kernel.Controller(ROBOT.model, *BOX, other, ZERO, *GAINS, 1e-2, 0, _kernel.HULL)
+        _kernel.Controller(ROBOT.model, *BOX, other, gains_of(OWN))
 
 
 @pytest.mark.parametrize(
@@ -148,4 +150,46 @@ def test_a_disturbance_of_another_shape_is_refused(shape: tuple[int, int]) -> No
 )
 def test_a_loop_without_a_step_is_refused(dt: float, substeps: int) -> None:
     with pytest.raises(ValueError, match="dt"):
-        _kernel.Loop(CONTROLLER, BOX[0], ZERO, ZERO, ZERO, dt, substeps)
+        make_loop(OWN, dt=dt, substeps=substeps)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"law": 3}, "law: 0 "),
+        ({"law": -1}, "law: 0 "),
+        ({"bound": 2}, "0 \\(hull\\) or 1 \\(ianea\\)"),
+        ({"K_r": np.ones(N + 1)}, "K_r: wrong length"),
+        ({"effort_limit": np.ones(N - 1)}, "effort_limit: wrong length"),
+        ({"centre": BOX[0][:-1]}, "centre: wrong length"),
+        ({"light": np.append(BOX[0], 0.0)}, "light: wrong length"),
+    ],
+)
+def test_gains_that_do_not_fit_are_refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        _kernel.Controller(ROBOT.model, *BOX, DISTURBANCE, {**gains_of(OWN), **changes})
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"delay": -0.1}, "delay lies in"),
+        ({"delay": 1.5}, "delay lies in"),
+        ({"delay": np.nan}, "delay lies in"),
+        ({"noise_position": np.zeros(N + 1)}, "noise_position: expected 3 entries, got 4"),
+        ({"quantisation_velocity": np.zeros(1)}, "quantisation_velocity: expected 3 entries"),
+        ({"noise_seed": (0, 0)}, "both words are 0"),
+        ({"disturbance": 4}, "disturbance: 0 to 3"),
+        ({"disturbance": -1}, "disturbance: 0 to 3"),
+    ],
+)
+def test_a_loop_that_does_not_fit_is_refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        make_loop(OWN, **changes)
+
+
+def test_memory_of_another_length_is_refused() -> None:
+    controller = mr.RobustController(ROBOT).kernel
+    *numbers, remembered = controller.memory()[:6]
+    with pytest.raises(ValueError, match="memory: wrong length"):
+        controller.recall(*numbers, remembered[:-1], *controller.memory()[6:])

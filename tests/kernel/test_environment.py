@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.kernel.kernel_cases import beyond_native, by_extension, robots, states
+from support.kernel.kernel_cases import by_extension, robots, states
 from support.kernel.native import compiler
 from support.kernel.python_cases import from_python
 from support.timor_databases import base, bent_link, database, powerball
@@ -39,7 +39,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("environment")
     rng = np.random.default_rng(0)
     cases = [
-        (robot, state, by_extension(robot, state) | beyond_native(robot, state))
+        (robot, state, by_extension(robot, state))
         for robot in robots(3, 24)
         for state in states(rng, robot.n)
     ]

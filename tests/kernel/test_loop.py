@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import modrobust as mr
-from modrobust import _kernel
 from modrobust.model import Robot
 from modrobust.reference import box, mass_matrix, newton_euler
+from support.loops import make_loop
 from support.random_robots import random_robot
 
 GAINS = {"kappa_P": 2.0, "kappa_I": 100.0, "phi_P": 1.0, "phi_I": 200.0, "epsilon": 0.0937}
@@ -87,7 +87,7 @@ def test_the_loop_in_c_equals_the_loop_written_out(types: str) -> None:
     point = robot.sample_parameters(rng)
     d = rng.uniform(robot.disturbance.lo, robot.disturbance.hi)
     q, dq = np.array([0.08, -0.05]), np.array([3.0, 4.1])
-    loop = _kernel.Loop(controller.kernel, point.packed, d, q, dq, DT, SUBSTEPS)
+    loop = make_loop(controller, point, d, q, dq, dt=DT, substeps=SUBSTEPS)
     chunks = [0, 15, TICKS]  # the chunks must not show
     motion = reference_motion(n)
     logs = [loop.advance(*cut(motion, a, b), 1) for a, b in itertools.pairwise(chunks)]
@@ -119,7 +119,7 @@ def test_every_tick_with_the_perturbation_outside_its_set_is_counted(side: int) 
     controller = mr.RobustController(robot, law="norm", bound="hull", K_r=10.0, **GAINS)
     d = np.full(2, side * 200.0)  # [N m], far outside [d]
     q = np.zeros(2)
-    loop = _kernel.Loop(controller.kernel, robot.nominal.packed, d, q, q, DT, SUBSTEPS)
+    loop = make_loop(controller, robot.nominal, d, q, q, dt=DT, substeps=SUBSTEPS)
     motion = reference_motion(2)
     log = loop.advance(*cut(motion, 0, 20), 1)
     outside = np.maximum(log["phi_lo"] - log["w"], log["w"] - log["phi_hi"]).max(axis=1)

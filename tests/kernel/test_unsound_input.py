@@ -16,6 +16,7 @@ import modrobust as mr
 from modrobust import _kernel
 from modrobust.kernel import BOUNDS
 from modrobust.model import synthetic_chain
+from support.kernel.native import gains_of
 
 ROBOT = synthetic_chain(3)
 N = ROBOT.n
@@ -23,11 +24,12 @@ ZERO = np.zeros(N)
 STATE = (ZERO,) * 4
 NOMINAL, LOWER, UPPER = ROBOT.nominal.packed, ROBOT.lower.packed, ROBOT.upper.packed
 DISTURBANCE = np.stack([ROBOT.disturbance.lo, ROBOT.disturbance.hi])
-GAINS: dict[str, Any] = {
-    **dict.fromkeys(("kappa_P", "kappa_I", "phi_P", "phi_I"), 1.0),
-    "epsilon": 1e-2,
-    "law": 0,
+LAWS: dict[str, dict[str, Any]] = {
+    "norm": {"law": "norm"},
+    "hold-aware": {"law": "componentwise", "hold_aware": True},
+    "sampled": {"law": "sampled", "G": 40.0, "delay": 1.0},
 }
+GAINS = {name: gains_of(mr.RobustController(ROBOT, **options)) for name, options in LAWS.items()}
 HULL = _kernel.HULL
 BAD = (np.nan, np.inf, -np.inf)
 
@@ -50,8 +52,9 @@ def bounds(lower: Any, nominal: Any, upper: Any, disturbance: Any) -> Iterator[A
         yield status(
             _kernel.inverse_dynamics_bounds_batch, *box, *(x[None] for x in STATE), code, True, 1
         )[:1]
-        controller = _kernel.Controller(*box, disturbance, np.ones(N), **GAINS, bound=code)
-        yield status(controller.command, 0.0, *STATE, ZERO)
+        for gains in GAINS.values():
+            controller = _kernel.Controller(*box, disturbance, {**gains, "bound": code})
+            yield status(controller.command, 0.0, *STATE, ZERO)
     yield status(_kernel.bounds_slack, *box, *STATE, True)
 
 
@@ -85,8 +88,9 @@ def test_a_state_that_is_not_finite_gives_no_torque(vector: int, value: float) -
 
 @pytest.mark.parametrize("value", BAD)
 @pytest.mark.parametrize("signal", range(6))
-def test_a_signal_that_is_not_finite_gives_no_command(signal: int, value: float) -> None:
-    controller = mr.RobustController(ROBOT).kernel
+@pytest.mark.parametrize("law", LAWS)
+def test_a_signal_that_is_not_finite_gives_no_command(law: str, signal: int, value: float) -> None:
+    controller = mr.RobustController(ROBOT, **LAWS[law]).kernel
     signals: list[Any] = [0.0, *(ZERO,) * 5]
     signals[signal] = value if signal == 0 else spoilt(ZERO, 1, value)
     assert status(controller.command, *signals) == (_kernel.STATUS_NOT_FINITE,)
@@ -134,5 +138,6 @@ def test_a_disturbance_that_is_no_interval_has_no_bounds(rows: Any) -> None:
     wrong = (_kernel.STATUS_NOT_FINITE,)
     for code in BOUNDS.values():
         assert status(_kernel.perturbation_bounds, *box, *STATE, code) == wrong
-        controller = _kernel.Controller(*box, np.ones(N), **GAINS, bound=code)
-        assert status(controller.command, 0.0, *STATE, ZERO) == wrong
+        for gains in GAINS.values():
+            controller = _kernel.Controller(*box, {**gains, "bound": code})
+            assert status(controller.command, 0.0, *STATE, ZERO) == wrong

@@ -185,12 +185,12 @@ JOINT_FAULTS: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "endless friction": (
         {"frictionCoulomb": math.inf},
-        'joint axis 1.frictionCoulomb: "null" is not a finite number; correct it',
+        'joint axis 1.frictionCoulomb: "null" is not a finite number; write one in decimal digits',
     ),
     "negative friction": (
         {"frictionViscous": -1.0},
         "modules[0]: no module of ours: joint axis-1, friction.viscous: -1 is negative; it is at "
-        "least 0; correct it",
+        "least 0; write 0 or more",
     ),
     "reversed limits": (
         {"limits": {"lower": 1.0, "upper": -1.0}},
@@ -278,11 +278,12 @@ FAULTS: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "no body of that name": (
         {"joints": [powerball()["joints"][0] | {"child": "x"}]},
-        'modules[0].joints[0]: no body with the ID "x"; correct it',
+        'modules[0].joints[0]: no body with the ID "x"; known: p, elbow, d',
     ),
     "reflected": (
         {"bodies": [body("b", ends=[end("1", np.diag([1, 1, -1, 1]).tolist(), "f")])]},
-        "modules[0].bodies[0].connectors[0].pose: not a rigid transform; correct it",
+        "modules[0].bodies[0].connectors[0].pose: not a rigid transform; it is [R p; 0 0 0 1] "
+        "with a right-handed, orthonormal R; write R with seven digits or more",
     ),
     "impossible tensor": (
         {

@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import fields
 
-from modrobust.formats import Controller, PerJoint, Quantity, Quintic, Sines, Trajectory
+from modrobust.formats import (
+    Controller,
+    PerJoint,
+    Quantity,
+    QuinticEntry,
+    SinesEntry,
+    TrajectoryEntry,
+)
 from modrobust.model import ControllerSettings, TrajectorySettings
 
 _K_R = 10.0  # [1/s], Section V of [GA17]
@@ -34,12 +41,12 @@ def controller_settings(
 
 
 def trajectory_settings(
-    written: Trajectory | None, names: Sequence[str], types: Sequence[str]
+    written: TrajectoryEntry | None, names: Sequence[str], types: Sequence[str]
 ) -> TrajectorySettings | None:
     """The trajectory as written, with one number a joint."""
     if written is None:
         return None
-    if isinstance(written, Sines):
+    if isinstance(written, SinesEntry):
         amplitude = written.amplitude.resolve(names, types)
         return TrajectorySettings(
             kind="sines",
@@ -47,7 +54,7 @@ def trajectory_settings(
             amplitude=tuple(q.nominal for q in amplitude),
             omega=written.omega,
         )
-    if isinstance(written, Quintic):
+    if isinstance(written, QuinticEntry):
         points = [point.resolve(names, types) for _, point in written.points]
         return TrajectorySettings(
             kind="quintic",

@@ -24,7 +24,7 @@ _FREE_STROKE = 1.0  # [m], half the stroke taken where a prismatic joint has no 
 
 
 @dataclass(frozen=True)
-class Masses:
+class MassFigures:
     """Nominal mass and its bounds [kg]."""
 
     nominal: float
@@ -38,7 +38,7 @@ class LinkFigures:
 
     joint: str
     bodies: tuple[str, ...]
-    mass: Masses
+    mass: MassFigures
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Report:
     dh: DHTable | None
     links: tuple[LinkFigures, ...]
     joints: tuple[JointFigures, ...]
-    total_mass: Masses
+    total_mass: MassFigures
     reach: float
     poses: int
     exact: tuple[str, ...]
@@ -126,9 +126,9 @@ def _links(robot: Robot) -> tuple[LinkFigures, ...]:
     return tuple(found)
 
 
-def _mass(robot: Robot, members: Sequence[int]) -> Masses:
+def _mass(robot: Robot, members: Sequence[int]) -> MassFigures:
     points = (robot.nominal, robot.lower, robot.upper)
-    return Masses(*(math.fsum(point.mass[list(members)]) for point in points))
+    return MassFigures(*(math.fsum(point.mass[list(members)]) for point in points))
 
 
 def _joint(robot: Robot, i: int, torque: float) -> JointFigures:

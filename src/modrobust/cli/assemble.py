@@ -10,6 +10,7 @@ import typer
 from modrobust.cli.assemble_export import Mjcf, Places, Point, Urdf, check_point, export
 from modrobust.cli.options import (
     Base,
+    Drive,
     Gravity,
     Json,
     Lock,
@@ -39,6 +40,7 @@ def assemble(
     tip: Tip = None,
     lock: Lock = None,
     tolerance: Tolerance = None,
+    drive: Drive = None,
     payload: Payload = None,
     mount: Mount = None,
     gravity: Gravity = None,
@@ -64,9 +66,8 @@ def assemble(
     with Places() as place:
         resolved = place(output, ".json", "a resolved robot")
         parts = place(urdf, ".urdf", "a URDF"), place(mjcf, ".xml", "an MJCF")
-        loaded = robot(
-            file, base, tip, lock, tolerance, payload, mount, gravity, xacro, package, False
-        )
+        options = (base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
+        loaded = robot(file, *options, say_exact=False, drive=drive)
         if resolved is not None:
             resolved.write_text(json_text(loaded.to_dict()), encoding="utf-8")
         export(loaded, *parts, parameters, seed)

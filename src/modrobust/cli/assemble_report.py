@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.tree import Tree
 
-    from modrobust.assembly.summary import Masses, Report
+    from modrobust.assembly.summary import MassFigures, Report
     from modrobust.checks.types import Array
     from modrobust.model import ModuleNode, Robot
     from modrobust.model.dh import DHTable
@@ -93,7 +93,7 @@ def _row(values: Iterable[float]) -> str:
     return " ".join(number(round(float(x), 12) + 0.0) for x in values)
 
 
-def _mass(mass: Masses) -> str:
+def _mass(mass: MassFigures) -> str:
     if mass.lo == mass.hi:
         return f"{number(mass.nominal)} kg"
     return f"{number(mass.nominal)} kg in [{number(mass.lo)}, {number(mass.hi)}]"

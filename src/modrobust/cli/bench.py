@@ -8,6 +8,7 @@ import typer
 
 from modrobust.cli.options import (
     Base,
+    Drive,
     Gravity,
     Json,
     Lock,
@@ -58,6 +59,7 @@ def bench(
     tip: Tip = None,
     lock: Lock = None,
     tolerance: Tolerance = None,
+    drive: Drive = None,
     payload: Payload = None,
     mount: Mount = None,
     gravity: Gravity = None,
@@ -81,7 +83,7 @@ def bench(
     from modrobust.cli.output import ProgressBar, note, print_json
 
     options = (base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
-    robots = [robot(file, *options) for file in files or ["lwa4p-paper"]]
+    robots = [robot(file, *options, drive=drive) for file in files or ["lwa4p-paper"]]
     if peers:
         compare(robots, json)
         return

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 from typer.core import TyperCommand
 
 if TYPE_CHECKING:
-    from modrobust.model import Robot
+    from modrobust.model import LoopSettings, Robot
 
 RobotFile = Annotated[
     str,
@@ -41,6 +42,14 @@ Payload = Annotated[
         help='Payload, e.g. "mass=[0 kg, 2 kg], com=[0, 0, [20 mm, 80 mm]], at=LINK".',
     ),
 ]
+Drive = Annotated[
+    str | None,
+    typer.Option(
+        metavar="FIGURES",
+        help="URDF: drive and friction of every joint, e.g. "
+        '"rotor_inertia=1e-5 ± 20%, gear_ratio=100, viscous=1, coulomb=2".',
+    ),
+]
 Mount = Annotated[
     str | None,
     typer.Option(
@@ -64,8 +73,45 @@ Package = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 
 
-_HERTZ = re.compile(r"\s*([0-9.]+(?:e[+-]?[0-9]+)?)\s*(Hz|kHz|MHz)?\s*", re.IGNORECASE)
-_SCALE = {"": 1.0, "hz": 1.0, "khz": 1e3, "mhz": 1e6}
+Rate = Annotated[
+    str | None,
+    typer.Option(
+        metavar="HZ",
+        help="Commands a second, e.g. 4kHz or 500; each is held until the next. "
+        "[file's, else 1 kHz]",
+    ),
+]
+Delay = Annotated[
+    float | None,
+    typer.Option(
+        metavar="PERIODS",
+        min=0.0,
+        max=1.0,
+        help="How late a command acts, 0 to 1. [file's, else 0]",
+    ),
+]
+Noise = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SIZES",
+        help='Errors of what is measured, e.g. "position=1e-4, velocity=1e-2" or "none"; '
+        "sign=worst: always where they hide most. [file's]",
+    ),
+]
+Quantisation = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SIZES",
+        help='Steps of what is measured, e.g. "position=1e-4 rad" or "none". [file\'s]',
+    ),
+]
+Saturation = Annotated[
+    bool | None, typer.Option(help="Torques are cut at the limits, or not. [file's, else not]")
+]
+Disturbance = Annotated[
+    Literal["constant", "sine", "random", "worst"] | None,
+    typer.Option(help="Its course inside its bounds. [file's, else constant]"),
+]
 
 
 class PlainCommand(TyperCommand):
@@ -90,18 +136,56 @@ def seconds(text: str | None) -> float | None:
     return parse_quantity(text, "time", field="--duration", bounds=False).nominal
 
 
-def hertz(text: str) -> float:
-    """A rate such as ``5kHz``, ``3000`` or ``1e4 Hz``, in Hz."""
-    found = _HERTZ.fullmatch(text)
-    try:
-        return float((found or [])[1]) * _SCALE[((found or [])[2] or "").lower()]
-    except (IndexError, ValueError):
-        from modrobust.errors import ValueRangeError
-        from modrobust.formats.nodes import shown
+def loop_of(
+    robot: Robot,
+    rate: str | None = None,
+    delay: float | None = None,
+    noise: str | None = None,
+    quantisation: str | None = None,
+    saturation: bool | None = None,
+    disturbance: str | None = None,
+) -> LoopSettings:
+    """The robot's own loop with the options laid over it; None = as the robot has it."""
+    from modrobust.cli.wording import named_as_options
+    from modrobust.errors import ValueRangeError
+    from modrobust.formats import parse_quantity
+    from modrobust.formats.loop import parse_noise, parse_quantisation
 
-        raise ValueRangeError(
-            f"--control-rate: {shown(text)} is no rate; write a number of Hz such as 5000 or 5kHz"
-        ) from None
+    joints = robot.joint_names, robot.free_types
+    given: dict[str, Any] = {}
+    if rate is not None:
+        given["rate"] = parse_quantity(rate, "frequency", field="--rate", bounds=False).nominal
+    with named_as_options("noise", "quantisation"):
+        given |= {} if noise is None else parse_noise(noise, "noise", *joints)
+        if quantisation is not None:
+            given |= parse_quantisation(quantisation, "quantisation", *joints)
+    for name in ("noise", "quantisation"):
+        if robot.loop.velocity == "differentiated" and given.get(f"{name}_velocity"):
+            raise ValueRangeError(
+                f"--{name}: velocity beside velocity: differentiated of the file; such a velocity "
+                "has the errors of the position; leave velocity out"
+            )
+    said = {"delay": delay, "saturation": saturation, "disturbance": disturbance}
+    given |= {name: value for name, value in said.items() if value is not None}
+    return replace(robot.loop, **given)
+
+
+def start_error(robot: Robot, text: str | None) -> float | tuple[float, ...] | None:
+    """An error at the start: its norm, such as ``0.02 rad``, or ``a=0.02 rad, b=5 mm`` by joint."""
+    if text is None:
+        return None
+    from modrobust.cli.wording import named_as_options
+    from modrobust.formats import PerJoint, parse_quantity
+    from modrobust.formats.inline import parse_inline
+
+    if "=" not in text and ":" not in text:
+        return parse_quantity(
+            text, "angle", field="--initial-error", bounds=False, alternatives=("length",)
+        ).nominal
+    with named_as_options("initial_error"):
+        errors = PerJoint(parse_inline(text, "initial_error"), "initial_error", "position")
+        found = errors.resolve(robot.joint_names, robot.free_types)
+    return tuple(error.nominal for error in found)
 
 
 def robot(
@@ -116,6 +200,7 @@ def robot(
     xacro: list[str] | None = None,
     package: list[str] | None = None,
     say_exact: bool = True,
+    drive: str | None = None,
 ) -> Robot:
     """The robot of a command, with its options laid over it.
 
@@ -133,6 +218,7 @@ def robot(
         "tip",
         "lock",
         "tolerance",
+        "drive",
         "payload",
         "mount",
         "gravity",
@@ -151,6 +237,7 @@ def robot(
             gravity=gravity,
             xacro=arguments,
             packages=folders,
+            drive=drive,
         )
     if say_exact and not loaded.uncertain:
         from modrobust.cli.output import note

@@ -9,19 +9,27 @@ import typer
 
 from modrobust.cli.options import (
     Base,
+    Delay,
+    Disturbance,
+    Drive,
     Gravity,
     Json,
     Lock,
     Mount,
+    Noise,
     Package,
     Payload,
+    Quantisation,
+    Rate,
     RobotFile,
+    Saturation,
     Tip,
     Tolerance,
     Xacro,
-    hertz,
+    loop_of,
     robot,
     seconds,
+    start_error,
 )
 from modrobust.cli.simulate_pictures import (
     Plant,
@@ -39,7 +47,7 @@ Examples:
   modrobust simulate lwa4p --parameters corner --seed 3 --duration 20s
   modrobust simulate ur5.urdf --tolerance "mass=5%,com=5mm,inertia=10%"
   modrobust simulate my-robot.yaml --trajectory motion.csv --log run.npz
-  modrobust simulate lwa4p-payload --plant mujoco --control-rate 3kHz
+  modrobust simulate lwa4p-payload --plant mujoco --rate 3kHz --delay 1
 
 \b
 --duration does not change the motion: a shorter run is its first part, and
@@ -71,7 +79,14 @@ def simulate(
     bound: Annotated[
         Literal["hull", "ianea"] | None, typer.Option(help="Bound of the perturbation.")
     ] = None,
-    law: Annotated[Literal["norm"] | None, typer.Option(help="Law of the robust part.")] = None,
+    law: Annotated[
+        Literal["norm", "componentwise", "sampled", "auto"] | None,
+        typer.Option(help="Control law; auto chooses its gains. [file's]"),
+    ] = None,
+    hold_aware: Annotated[
+        bool | None,
+        typer.Option(help="Laws norm and componentwise: allow for the hold. [file's]"),
+    ] = None,
     duration: Annotated[
         str | None, typer.Option(metavar="TIME", help="Simulated time, e.g. 10s or 500ms.")
     ] = None,
@@ -84,13 +99,19 @@ def simulate(
             "quintic.",
         ),
     ] = None,
-    control_rate: Annotated[
-        str,
+    rate: Rate = None,
+    delay: Delay = None,
+    noise: Noise = None,
+    quantisation: Quantisation = None,
+    saturation: Saturation = None,
+    disturbance: Disturbance = None,
+    initial_error: Annotated[
+        str | None,
         typer.Option(
-            metavar="HZ",
-            help="Commands a second, e.g. 5kHz or 5000; each is held until the next.",
+            metavar="ERROR",
+            help='Error at the start: its norm, e.g. "0.02 rad", or "JOINT=VALUE, ..." of each.',
         ),
-    ] = "50kHz",
+    ] = None,
     plant: Plant = "builtin",
     video: Video = None,
     view: View = False,
@@ -101,6 +122,7 @@ def simulate(
     tip: Tip = None,
     lock: Lock = None,
     tolerance: Tolerance = None,
+    drive: Drive = None,
     payload: Payload = None,
     mount: Mount = None,
     gravity: Gravity = None,
@@ -112,7 +134,7 @@ def simulate(
 
     The true parameters of the robot lie in their bounds; the controller does not know where.
     """
-    wanted, rate = seconds(duration), hertz(control_rate)
+    wanted = seconds(duration)
     from modrobust.cli.output import ProgressBar, note, print_json
     from modrobust.cli.simulate_start import Start
     from modrobust.cli.wording import named_as_options
@@ -128,10 +150,13 @@ def simulate(
         check_writable(log)
     check_pictures(video, view)
     places = (base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
-    arm = robot(file, *places, say_exact=json)  # else the verdict says
+    arm = robot(file, *places, say_exact=json, drive=drive)  # else the verdict says
+    loop = loop_of(arm, rate, delay, noise, quantisation, saturation, disturbance)
+    error = start_error(arm, initial_error)
     check_shown(arm, video, view)
-    options = ["control_rate", "scenario", "parameters"]
-    options += ["duration"] if duration is not None else []  # else it is the file's
+    options = ["scenario", "parameters", "law", "bound", "hold_aware", "initial_error"]
+    options += ["rate"] if rate is not None else []  # else it is the file's
+    options += ["duration"] if duration is not None else []
     options += ["trajectory"] if trajectory is not None else []
     heading = (
         None
@@ -147,7 +172,7 @@ def simulate(
         }
     )
     with named_as_options(*options), ProgressBar(f"Simulating {visible(arm.name)}") as bar:
-        start = Start(heading, rate, bar)
+        start = Start(heading, loop.rate, bar)
         result = run(
             arm,
             scenario=scenario,
@@ -157,7 +182,9 @@ def simulate(
             law=law,
             duration=wanted,
             trajectory=trajectory,
-            rate=rate,
+            hold_aware=hold_aware,
+            loop=loop,
+            initial_error=error,
             plant=plant,
             progress=start,
         )

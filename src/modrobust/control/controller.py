@@ -20,7 +20,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,14 +36,11 @@ from modrobust.control.settings import (
     checked_settings,
     make_kernel_controller,
 )
-from modrobust.design.points import central_parameters, light_parameters
+from modrobust.design import Design, central_parameters, design, light_parameters
 from modrobust.errors import ModrobustError, ValueRangeError
 from modrobust.kernel import own_environment, status_error
 from modrobust.model import ControllerSettings, LoopSettings, Robot, check_robot
 from modrobust.motion import Trajectory, make_trajectory
-
-if TYPE_CHECKING:
-    from modrobust.design.gains import Design
 
 SOLVER_ERROR = 1e-6  # [rad s]: the usual absolute tolerance of ODE solvers
 
@@ -448,8 +445,6 @@ def chosen(
     robot: Robot, settings: ControllerSettings, loop: LoopSettings, motion: Trajectory | None
 ) -> Design:
     """The design of the law ``auto``; what the settings say beside the gains stands."""
-    from modrobust.design.gains import design
-
     if motion is None and robot.trajectory is not None:
         motion = make_trajectory(robot, None)
     return design(robot, loop, epsilon=settings.epsilon, motion=motion)

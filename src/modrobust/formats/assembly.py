@@ -14,13 +14,13 @@ from modrobust.formats.faults import Faults
 from modrobust.formats.fields import check
 from modrobust.formats.items import (
     Assembly,
-    Csv,
+    CsvEntry,
     Module,
     NestedItem,
     Payload,
-    Quintic,
-    Sines,
-    Trajectory,
+    QuinticEntry,
+    SinesEntry,
+    TrajectoryEntry,
 )
 from modrobust.formats.loop import Loop, read_loop
 from modrobust.formats.models import (
@@ -28,7 +28,7 @@ from modrobust.formats.models import (
     NestedModel,
     QuinticModel,
     SinesModel,
-    TrajectoryEntry,
+    TrajectoryModel,
 )
 from modrobust.formats.module import ModuleFields, check_kind, check_stem, nested_item
 from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, kind_of, shown
@@ -142,7 +142,8 @@ def _directories(model: AssemblyModel, directory: Path) -> tuple[Path, ...]:
             where = model.where if place is None else place.where
             raise where.error(
                 "modules",
-                f'no directory "{folder}"; directories are relative to this file; correct it',
+                f'no directory "{folder}"; directories are relative to this file; make it or '
+                "name another",
             )
     return found
 
@@ -196,7 +197,7 @@ def xacro_arguments(given: Mapping[str, Node]) -> dict[str, str]:
             raise node.where.error(
                 field,
                 "not a name; names of xacro arguments are letters, digits and _, and begin with a "
-                "letter; correct it",
+                "letter; rename it",
             )
         if not isinstance(node, ScalarNode):
             raise node.where.error(field, f"{kind_of(node)}; an argument is a text; write one")
@@ -258,7 +259,7 @@ def _per_joint(
     return None if node is None else PerJoint(node, field, kind, bounds)
 
 
-def _trajectory(model: TrajectoryEntry | None, directory: Path) -> Trajectory | None:
+def _trajectory(model: TrajectoryModel | None, directory: Path) -> TrajectoryEntry | None:
     if model is None:
         return None
     duration = _above_zero(model.duration, "time", "trajectory.duration")
@@ -271,10 +272,12 @@ def _trajectory(model: TrajectoryEntry | None, directory: Path) -> Trajectory | 
             parse_point(node, "angular speed", f"trajectory.omega[{i}]")
             for i, node in enumerate(model.omega)
         )
-        return Sines(PerJoint(model.amplitude, "trajectory.amplitude", "position"), omega, duration)
+        return SinesEntry(
+            PerJoint(model.amplitude, "trajectory.amplitude", "position"), omega, duration
+        )
     if isinstance(model, QuinticModel):
-        return Quintic(_waypoints(model), duration)
-    return Csv(directory / model.file, duration)
+        return QuinticEntry(_waypoints(model), duration)
+    return CsvEntry(directory / model.file, duration)
 
 
 def _waypoints(model: QuinticModel) -> tuple[tuple[float, PerJoint], ...]:
@@ -304,7 +307,7 @@ def _at_least(node: Node | None, dimension: str, field: str, least: float) -> fl
         return None
     value = parse_point(node, dimension, field)
     if value < least:
-        raise node.where.error(field, f"{value:g} is negative; it is at least 0; correct it")
+        raise node.where.error(field, f"{value:g} is negative; it is at least 0; write 0 or more")
     return value
 
 
@@ -313,5 +316,7 @@ def _above_zero(node: Node | None, dimensions: str | tuple[str, ...], field: str
         return None
     value = parse_point(node, dimensions, field)
     if value <= 0:
-        raise node.where.error(field, f"{value:g} is not positive; it must be above 0; correct it")
+        raise node.where.error(
+            field, f"{value:g} is not positive; it must be above 0; write a positive number"
+        )
     return value

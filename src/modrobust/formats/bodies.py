@@ -57,7 +57,8 @@ def read_masses(
     nominal = written.quantity().nominal
     if nominal < 0:
         raise mass.where.error(
-            f"{prefix}mass", f"{nominal:g} kg is negative; a body's mass is at least 0; correct it"
+            f"{prefix}mass",
+            f"{nominal:g} kg is negative; a body's mass is at least 0; write 0 or more",
         )
     exact = no_mass_is_exact and nominal == 0
     bounded = written if exact else tolerances.apply("mass", written, "mass")
@@ -85,7 +86,8 @@ def _refuse_absurd(where: Where, field: str, unit: str, most: float, found: Quan
     value = max(-found.lo, found.hi)
     if value > most:
         raise where.error(
-            field, f"{value:g} {unit} is beyond {most:g} {unit}; no robot has that; correct it"
+            field,
+            f"{value:g} {unit} is beyond {most:g} {unit}; no robot has that; check its exponent",
         )
 
 

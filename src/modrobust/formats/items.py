@@ -136,7 +136,7 @@ class Payload:
 
 
 @dataclass(frozen=True)
-class Sines:
+class SinesEntry:
     """q_des = amplitude * prod_k sin(omega_k t)."""
 
     amplitude: PerJoint  # [rad] or [m]
@@ -145,7 +145,7 @@ class Sines:
 
 
 @dataclass(frozen=True)
-class Quintic:
+class QuinticEntry:
     """Rest-to-rest through points: (time [s], position per joint); through drawn ones if empty."""
 
     points: tuple[tuple[float, PerJoint], ...]
@@ -153,14 +153,14 @@ class Quintic:
 
 
 @dataclass(frozen=True)
-class Csv:
+class CsvEntry:
     """A file of t and q, resolved against the description's directory."""
 
     file: Path
     duration: float | None  # [s]
 
 
-Trajectory = Sines | Quintic | Csv
+TrajectoryEntry = SinesEntry | QuinticEntry | CsvEntry
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +176,7 @@ class Assembly:
     payload: Payload | None
     disturbance: PerJoint | None  # [N m] or [N]
     controller: Controller
-    trajectory: Trajectory | None
+    trajectory: TrajectoryEntry | None
     initial_q: PerJoint | None  # [rad] or [m]
     initial_dq: PerJoint | None  # [rad/s] or [m/s]
     scenarios: Mapping[str, Mapping[str, Node]]

@@ -173,7 +173,9 @@ def _positive(node: Node | None, dimension: str, field: str) -> float | None:
     value = parse_point(node, dimension, field)
     if value <= 0:
         raise node.where.error(
-            field, f"{value:g} is not positive; it must be above 0; correct it or leave it out"
+            field,
+            f"{value:g} is not positive; it must be above 0; write a positive "
+            "number or leave it out",
         )
     return value
 
@@ -190,7 +192,7 @@ def _parameter(
     if quantity.lo < 0:
         what = "lower bound " if quantity.bounded else ""
         by_tolerance = quantity.bounded and not written.bounded
-        remedy = tolerances.remedy(key, written) if by_tolerance else "correct it"
+        remedy = tolerances.remedy(key, written) if by_tolerance else "write 0 or more"
         raise node.where.error(
             field, f"{what}{quantity.lo:g} is negative; it is at least 0; {remedy}"
         )

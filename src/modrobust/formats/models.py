@@ -222,7 +222,7 @@ def _mounted_kind(node: Any) -> str:
     return "<id>" if isinstance(node, ScalarNode) else "<mounted>"
 
 
-Mounted = Annotated[
+MountedModel = Annotated[
     Annotated[Name, Tag("<id>")] | Annotated[NestedModel, Tag("<mounted>")],
     Discriminator(_mounted_kind),
 ]
@@ -284,7 +284,7 @@ def _known_trajectory(node: Node) -> Node:
     return node
 
 
-TrajectoryEntry = Annotated[
+TrajectoryModel = Annotated[
     Annotated[SinesModel, Tag("<sines>")]
     | Annotated[QuinticModel, Tag("<quintic>")]
     | Annotated[CsvModel, Tag("<csv>")],
@@ -319,7 +319,7 @@ class AssemblyModel(Part):
     )
     base: BaseFrameModel | None = Field(None, description="World to the base frame")
     gravity: Points | None = Field(None, description="[m/s^2], default [0, 0, -9.81], world axes")
-    chain: Annotated[list[Mounted], as_list] | None = Field(
+    chain: Annotated[list[MountedModel], as_list] | None = Field(
         None, description="Modules from base to tip; or urdf"
     )
     urdf: Text | None = Field(
@@ -352,7 +352,7 @@ class AssemblyModel(Part):
     disturbance: PerJointValue | None = Field(None, description="[N m] or [N] per joint, bounds")
     controller: ControllerEntry | None = Field(None, description="Controller settings")
     loop: LoopModel | None = Field(None, description="The loop as the drive runs it")
-    trajectory: TrajectoryEntry | None = Field(None, description="Reference motion")
+    trajectory: TrajectoryModel | None = Field(None, description="Reference motion")
     initial: InitialModel | None = Field(None, description="State at the start")
     scenarios: Annotated[dict[str, ScenarioModel], as_dict] | None = Field(
         None, description="Named sets of true parameters"

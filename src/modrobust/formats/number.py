@@ -93,14 +93,14 @@ def _product(text: str, whole: str) -> tuple[Fraction, int]:
             continue
         number = _decimal(factor)
         if power < 0 and number == 0:
-            raise NumberError(f"{shown(whole)} divides by 0; a number is finite; correct it")
+            raise NumberError(f"{shown(whole)} divides by 0; a number is finite; divide by another")
         rational *= number**power
     if factors > 1 and not any(name in text for name in ("pi", "π")):
         raise NumberError(
             f"{shown(whole)} is a product; only products with pi are read; write a decimal number"
         )
     if abs(pi_power) > 4:
-        raise NumberError(f"{shown(whole)} has too many pi; an angle has one; correct it")
+        raise NumberError(f"{shown(whole)} has too many pi; an angle has one; write it once")
     return rational, pi_power
 
 
@@ -124,7 +124,7 @@ def _not_a_number(text: str) -> str:
         return 'nothing is written; a number is expected; write one such as "1.5 kg"'
     return (
         f'{shown(text)} is not a number; a quantity is NUMBER [UNIT] such as "101.3 mm", '
-        '"5e-5 kg m^2" or "3.9 kg ± 2%"; correct it'
+        '"5e-5 kg m^2" or "3.9 kg ± 2%"; write it so'
     )
 
 

@@ -83,7 +83,9 @@ class PerJoint:
         )
         if self.positive and quantity.nominal <= 0:
             raise node.where.error(
-                field, f"{quantity.nominal:g} is not positive; it must be above 0; correct it"
+                field,
+                f"{quantity.nominal:g} is not positive; it must be above 0; write "
+                "a positive number",
             )
         if self.size and quantity.nominal < 0:
             raise node.where.error(

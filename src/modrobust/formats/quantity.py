@@ -107,7 +107,7 @@ class Written:
             double = float("inf")
         if double in (float("inf"), float("-inf")):
             raise self.where.error(
-                self.field, "too large; numbers stay below 1.79e308 in SI units; correct it"
+                self.field, "too large; numbers stay below 1.79e308 in SI units; check its exponent"
             )
         return double
 
@@ -166,7 +166,9 @@ def parse_angle(node: Node, field: str) -> Fraction:
     value = parse_exact(node, "angle", field)
     if abs(value) > MAX_ANGLE:
         raise node.where.error(
-            field, f"{float(value):g} rad; an angle lies within {MAX_ANGLE:g} rad; correct it"
+            field,
+            f"{float(value):g} rad; an angle lies within {MAX_ANGLE:g} rad; "
+            "reduce it by whole turns",
         )
     return value
 

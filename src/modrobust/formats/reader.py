@@ -195,5 +195,5 @@ def _events(text: str, name: str) -> Iterator[Event]:
             name,
             line,
             "",
-            "not YAML: an escape after this line is no Unicode character; correct it",
+            "not YAML: an escape after this line is no Unicode character; write the letter itself",
         ) from None

@@ -128,7 +128,7 @@ def parse_unit(text: str) -> Unit:
         power = sign * int(written)
         if abs(power) > _MAX_POWER:
             raise UnitError(
-                f'"{text}" has the power {written}; powers go up to {_MAX_POWER}; correct it'
+                f'"{text}" has the power {written}; powers go up to {_MAX_POWER}; lower it'
             )
         unit = unit.times(_factor(match[2]), power)
         if max(abs(p) for p in (*unit.powers, unit.pi_power)) > 2 * _MAX_POWER:

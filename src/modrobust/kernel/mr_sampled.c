@@ -74,6 +74,16 @@ static void times(int32_t n, const double *M, const double *x, double *y) {
     }
 }
 
+/* Whether a measured angle is beyond what can be reduced; the dynamics are not asked about it. */
+static int beyond_range(const mr_model *model, const double *q) {
+    int beyond = 0;
+    for (int32_t i = 0; i < model->n; ++i) {
+        const int32_t joint = model->j > model->n ? model->moves[i] : i;
+        beyond |= (model->joint_type[joint] == MR_REVOLUTE) & (fabs(q[i]) > MR_ANGLE_MAX);
+    }
+    return beyond;
+}
+
 static double limited(double x, double lo, double hi) { return x < lo ? lo : x > hi ? hi : x; }
 
 /* alpha of (32): the largest share of the feedback for which every torque has room. */
@@ -83,7 +93,7 @@ static double share_with_room(int32_t n, const double *limit, const double *base
     for (int32_t i = 0; i < n; ++i) {
         const double size = fabs(feedback[i]);
         const double room = limit[i] - (feedback[i] > 0.0 ? base[i] : -base[i]);
-        if (size * share > room) share = room > 0.0 ? room / size : 0.0;
+        if (size > 0.0 && size * share > room) share = room > 0.0 ? room / size : 0.0;
     }
     return share > MR_LEAST_SHARE ? share : MR_LEAST_SHARE;
 }
@@ -106,7 +116,7 @@ mr_status mr_sampled_command(const mr_model *model, const mr_bounds *bounds, con
     if (!(mr_all_finite(n, q) & mr_all_finite(n, dq) & mr_all_finite(n, q_des) &
           mr_all_finite(n, dq_des) & mr_all_finite(n, ddq_des)))
         return MR_NOT_FINITE;
-    if (mr_beyond_wrapping(model, q_des)) return MR_ANGLE_RANGE;
+    if (mr_beyond_wrapping(model, q_des) | beyond_range(model, q)) return MR_ANGLE_RANGE;
     const int started = state->started > 0;
     const double *from = state->started < 0 ? memory + MR_START * rows : q;
     for (int32_t i = 0; i < n; ++i) {
@@ -165,7 +175,7 @@ mr_status mr_sampled_command(const mr_model *model, const mr_bounds *bounds, con
     for (int32_t i = 0; i < n; ++i) {
         const double c = fabs(ws.lo[i]), d = fabs(ws.hi[i]), rho = c > d ? c : d;
         rho_squared += rho * rho;
-        if (!isfinite(nominal[i] + feedback[i] + sigma[i]) || !isfinite(acceleration[i]))
+        if (!isfinite(nominal[i] + (feedback[i] + sigma[i])) || !isfinite(acceleration[i]))
             return MR_NOT_FINITE;
     }
     const double rho_norm = sqrt(rho_squared + 0x1p-1000) * (1.0 + (n + 4) * 0x1p-52);

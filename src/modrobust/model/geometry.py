@@ -118,7 +118,8 @@ def cos_sin(angle: Real) -> tuple[Decimal, Decimal]:
         exact = _decimal(angle)
         if not abs(exact) <= MAX_ANGLE:
             raise ValueRangeError(
-                f"an angle of {exact:.6g} rad; angles lie within {MAX_ANGLE:g} rad; correct it"
+                f"an angle of {exact:.6g} rad; angles lie within {MAX_ANGLE:g} rad; "
+                "reduce it by whole turns"
             )
         turns = _RIGHT_ANGLES.get(float(angle))
         rest = _ZERO

@@ -25,7 +25,7 @@ _RIGID = 1e-6  # how far a rotation may be from orthonormal; databases have few 
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class TimorBody:
     """A rigid body of a module: mass [kg], COM (3,) [m], tensor [kg m^2], and its connectors."""
 
     id: str
@@ -33,12 +33,12 @@ class Body:
     com: tuple[Fraction, ...]
     tensor: tuple[Fraction, ...]  # xx, xy, xz, yy, yz, zz as written
     texts: tuple[tuple[str, ...], tuple[str, ...], str]  # com, tensor, mass
-    connectors: tuple[Connector, ...]
+    connectors: tuple[TimorConnector, ...]
     where: Where
 
 
 @dataclass(frozen=True, eq=False)
-class Connector:
+class TimorConnector:
     """Where another module can mount: its pose in the body's frame, and what it mounts on."""
 
     id: str
@@ -70,7 +70,7 @@ def read_database(path: str | Path) -> str:
     return re.sub(r"(?<=[\s:\[,])-?Infinity\b", "null", text)
 
 
-def read_bodies(node: Node, name: str) -> dict[str, Body]:
+def read_bodies(node: Node, name: str) -> dict[str, TimorBody]:
     """The bodies of a module by their ID.
 
     Args:
@@ -80,7 +80,7 @@ def read_bodies(node: Node, name: str) -> dict[str, Body]:
     Raises:
         DescriptionError: A body is wrong, or two have one ID.
     """
-    found: dict[str, Body] = {}
+    found: dict[str, TimorBody] = {}
     for index, entry in enumerate(members(member(node, "bodies", name), f"{name}.bodies")):
         field = f"{name}.bodies[{index}]"
         body = _body(entry, field)
@@ -90,7 +90,7 @@ def read_bodies(node: Node, name: str) -> dict[str, Body]:
     return found
 
 
-def _body(node: Node, field: str) -> Body:
+def _body(node: Node, field: str) -> TimorBody:
     for key in node.entries if isinstance(node, MapNode) else ():
         if key not in _BODY:
             raise node.where.error(
@@ -104,12 +104,16 @@ def _body(node: Node, field: str) -> Body:
         for row in members(member(node, "inertia", field), f"{field}.inertia", 3)
     ]
     if any(Fraction(rows[i][j]) != Fraction(rows[j][i]) for i, j in ((0, 1), (0, 2), (1, 2))):
-        raise node.where.error(f"{field}.inertia", "the tensor is not symmetric; correct it")
+        raise node.where.error(
+            f"{field}.inertia",
+            "the tensor is not symmetric; an inertia is; write the same on both sides of its "
+            "diagonal",
+        )
     six = (rows[0][0], rows[0][1], rows[0][2], rows[1][1], rows[1][2], rows[2][2])
     mass = number(member(node, "mass", field), f"{field}.mass")
     connectors = optional_member(node, "connectors")
     nodes = [] if connectors is None else members(connectors, f"{field}.connectors")
-    return Body(
+    return TimorBody(
         text_of(node, "ID", field),
         Fraction(mass),
         tuple(Fraction(text) for text in com),
@@ -120,7 +124,7 @@ def _body(node: Node, field: str) -> Body:
     )
 
 
-def _read_connector(node: Node, field: str) -> Connector:
+def _read_connector(node: Node, field: str) -> TimorConnector:
     size = optional_member(node, "size")
     gender = text_of(node, "gender", field)
     known = {"f": "f", "female": "f", "m": "m", "male": "m", "h": "n", "hermaphroditic": "n"}
@@ -128,7 +132,7 @@ def _read_connector(node: Node, field: str) -> Connector:
         raise node.where.error(
             f"{field}.gender", unknown_name(f"no gender {shown(gender)}", gender, known)
         )
-    return Connector(
+    return TimorConnector(
         text_of(node, "ID", field),
         read_pose(member(node, "pose", field), f"{field}.pose"),
         known[gender],
@@ -191,14 +195,16 @@ def number(node: Node, field: str) -> str:
     """
     text = _decimal(node, field)
     if abs(Fraction(text)) > LARGEST:
-        raise node.where.error(field, f'"{text[:60]}" is beyond {LARGEST:g}; correct it')
+        raise node.where.error(field, f'"{text[:60]}" is beyond {LARGEST:g}; check its exponent')
     return text
 
 
 def _decimal(node: Node, field: str) -> str:
     text = node.text if isinstance(node, ScalarNode) else ""
     if not re.fullmatch(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]{1,3})?", text):
-        raise node.where.error(field, f'"{text[:60]}" is not a finite number; correct it')
+        raise node.where.error(
+            field, f'"{text[:60]}" is not a finite number; write one in decimal digits'
+        )
     return text
 
 
@@ -228,5 +234,9 @@ def read_pose(node: Node, field: str) -> Transform:
     if not is_rotation(matrix[:3, :3], _RIGID) or not np.array_equal(
         matrix[3], [0.0, 0.0, 0.0, 1.0]
     ):
-        raise node.where.error(field, "not a rigid transform; correct it")
+        raise node.where.error(
+            field,
+            "not a rigid transform; it is [R p; 0 0 0 1] with a right-handed, orthonormal R; "
+            "write R with seven digits or more",
+        )
     return from_rows([[Fraction(text) for text in row] for row in rows[:3]])

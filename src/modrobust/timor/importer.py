@@ -35,8 +35,8 @@ from modrobust.kernel import own_environment
 from modrobust.model.geometry import Transform, arctan2, rotation_x
 from modrobust.model.symmetric import ENTRIES, eigenvalues
 from modrobust.timor.database import (
-    Body,
-    Connector,
+    TimorBody,
+    TimorConnector,
     member,
     members,
     optional_member,
@@ -45,7 +45,7 @@ from modrobust.timor.database import (
     text_of,
     texts_of,
 )
-from modrobust.timor.joint import Joint, joint_lines, read_joints
+from modrobust.timor.joint import TimorJoint, joint_lines, read_joints
 
 READINGS = ("com", "frame")
 _DIGITS = 12  # decimals of a length [m] that a description keeps: 1e-12 m
@@ -204,10 +204,10 @@ def _module(
     return Imported(identity, text, tuple(notes))
 
 
-Ends = tuple[str, Connector]
+Ends = tuple[str, TimorConnector]
 
 
-def _ends(bodies: dict[str, Body], node: Node, name: str) -> tuple[Ends, Ends]:
+def _ends(bodies: dict[str, TimorBody], node: Node, name: str) -> tuple[Ends, Ends]:
     """The connector towards the base and the one towards the tip, with their bodies."""
     every = [(body.id, c) for body in bodies.values() for c in body.connectors]
     if len(every) != 2:
@@ -232,14 +232,14 @@ def _ends(bodies: dict[str, Body], node: Node, name: str) -> tuple[Ends, Ends]:
 def _path(
     start: str,
     end: str,
-    bodies: dict[str, Body],
-    joints: list[Joint],
+    bodies: dict[str, TimorBody],
+    joints: list[TimorJoint],
     node: Node,
     name: str,
-) -> list[tuple[Body, Joint | None]]:
+) -> list[tuple[TimorBody, TimorJoint | None]]:
     """Bodies from in to out, each with the joint that follows it."""
     by_parent = {joint.parent: joint for joint in joints}
-    path: list[tuple[Body, Joint | None]] = []
+    path: list[tuple[TimorBody, TimorJoint | None]] = []
     body = start
     while body != end:
         joint = by_parent.get(body)
@@ -256,7 +256,7 @@ def _path(
 
 
 def _chain(
-    path: list[tuple[Body, Joint | None]],
+    path: list[tuple[TimorBody, TimorJoint | None]],
     start: Ends,
     end: Ends,
     inertia_about: str | None,
@@ -287,7 +287,7 @@ def _chain(
 
 
 def _body_lines(
-    body: Body,
+    body: TimorBody,
     name: str,
     ahead: Transform,
     inertia_about: str | None,
@@ -329,7 +329,7 @@ def _body_lines(
     ]
 
 
-def _connector(key: str, connector: Connector) -> list[str]:
+def _connector(key: str, connector: TimorConnector) -> list[str]:
     size = f", size: {connector.size}" if connector.size else ""
     kind = _quoted(connector.type or "timor")
     return [f"  {key}: {{type: {kind}{size}, gender: {connector.gender}}}"]

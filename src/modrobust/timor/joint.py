@@ -16,11 +16,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from modrobust.checks import did_you_mean
+from modrobust.checks import did_you_mean, unknown_name
 from modrobust.formats import MapNode, Node, ScalarNode, Where
 from modrobust.formats.nodes import shown
 from modrobust.model.geometry import Transform
-from modrobust.timor.database import Body, finite, member, members, number, read_pose, text_of
+from modrobust.timor.database import TimorBody, finite, member, members, number, read_pose, text_of
 
 COULOMB_SPEED = "0.01"  # [rad/s] or [m/s]
 _EFFORT = {"revolute": "torque", "continuous": "torque", "prismatic": "force"}
@@ -47,7 +47,7 @@ _ENDS = {"positionLower": ("positionLower", "lower"), "positionUpper": ("positio
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class TimorJoint:
     """A joint between two bodies; `fields` has what is written of `_SPELLINGS` and `_ENDS`."""
 
     id: str
@@ -60,7 +60,7 @@ class Joint:
     where: Where
 
 
-def read_joints(node: Node, name: str, bodies: Mapping[str, Body]) -> list[Joint]:
+def read_joints(node: Node, name: str, bodies: Mapping[str, TimorBody]) -> list[TimorJoint]:
     """The joints of a module.
 
     Raises:
@@ -72,7 +72,9 @@ def read_joints(node: Node, name: str, bodies: Mapping[str, Body]) -> list[Joint
         ends = [text_of(entry, key, field) for key in ("parent", "child")]
         for end in ends:
             if end not in bodies:
-                raise entry.where.error(field, f'no body with the ID "{end}"; correct it')
+                raise entry.where.error(
+                    field, unknown_name(f"no body with the ID {shown(end)}", end, bodies)
+                )
         kind = text_of(entry, "type", field)
         assert isinstance(entry, MapNode)
         if kind not in _TYPES or _is_passive(entry, field):
@@ -87,7 +89,7 @@ def read_joints(node: Node, name: str, bodies: Mapping[str, Body]) -> list[Joint
                 raise entry.where.error(field, f'no "{pose}"; a Timor module database has it')
         to_joint, to_child = (read_pose(fields[p], field) for p in ("poseParent", "poseChild"))
         found.append(
-            Joint(
+            TimorJoint(
                 text_of(entry, "ID", field),
                 ends[0],
                 ends[1],
@@ -145,7 +147,7 @@ def _fields(entry: MapNode, field: str) -> dict[str, Node]:
     return found
 
 
-def joint_lines(joint: Joint, name: str, notes: list[str]) -> list[str]:
+def joint_lines(joint: TimorJoint, name: str, notes: list[str]) -> list[str]:
     """The joint as an entry of a module's chain; remarks go to `notes`.
 
     Raises:
@@ -178,7 +180,7 @@ def joint_lines(joint: Joint, name: str, notes: list[str]) -> list[str]:
     return lines
 
 
-def _limits(joint: Joint, name: str, notes: list[str]) -> list[str]:
+def _limits(joint: TimorJoint, name: str, notes: list[str]) -> list[str]:
     """Entries of ``limits:``; what stands for no limit is left out, with a remark if in doubt."""
     parts = []
     lo, hi = (finite(joint.fields.get(key)) for key in _ENDS)
@@ -206,7 +208,7 @@ def _limits(joint: Joint, name: str, notes: list[str]) -> list[str]:
     return parts
 
 
-def _figure(joint: Joint, key: str) -> str:
+def _figure(joint: TimorJoint, key: str) -> str:
     """The number as written without a plus sign; empty where there is none."""
     node = joint.fields.get(key)
     return "" if node is None else number(node, f"joint {joint.id}.{key}").lstrip("+")

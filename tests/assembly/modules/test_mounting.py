@@ -86,7 +86,7 @@ def test_a_missing_module_directory_is_refused(load, tmp_path):
         load_robot("other.yaml")
     assert str(caught.value) == (
         'other.yaml:3: modules: no directory "parts"; directories are relative to this file; '
-        "correct it"
+        "make it or name another"
     )
 
 

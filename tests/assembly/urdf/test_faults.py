@@ -35,8 +35,8 @@ TOLD = """\
 small.urdf:4: link no-mass: <inertial> has no <mass>; nothing is guessed; add it, or remove \
 <inertial> from a frame without mass
 small.urdf:6: link a b, ixx: "nan" is not finite; numbers in a URDF are decimal, in SI units \
-without the unit; correct it
-small.urdf:6: link a b, mass: -2 kg is negative; a body's mass is at least 0; correct it
+without the unit; write it so, such as "0.25"
+small.urdf:6: link a b, mass: -2 kg is negative; a body's mass is at least 0; write 0 or more
 small.urdf:7: joint j3, limits: lower and upper limit are both 0; such a joint cannot move; \
 correct them, write type="continuous" if it turns without end, or freeze it (lock: {j3: 0})
 small.urdf:8: link turned, inertia.yy: -0.09 kg m^2 is negative; a moment of inertia is at \

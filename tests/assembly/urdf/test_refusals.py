@@ -37,7 +37,7 @@ LINKS = {
     ),
     "negative mass": (
         INERTIAL.replace('"2"', '"-2"'),
-        ":4: link arm, mass: -2 kg is negative; a body's mass is at least 0; correct it",
+        ":4: link arm, mass: -2 kg is negative; a body's mass is at least 0; write 0 or more",
     ),
     "negative moment": (
         INERTIAL.replace('"0.03"', '"-0.03"'),
@@ -58,12 +58,12 @@ LINKS = {
     "not a number": (
         INERTIAL.replace('"2"', '"2 kg"'),
         ':4: link arm, value: "2 kg" is not a number; numbers in a URDF are decimal, in SI units '
-        "without the unit; correct it",
+        'without the unit; write it so, such as "0.25"',
     ),
     "nan": (
         INERTIAL.replace('"2"', '"nan"'),
         ':4: link arm, value: "nan" is not finite; numbers in a URDF are decimal, in SI units '
-        "without the unit; correct it",
+        'without the unit; write it so, such as "0.25"',
     ),
     "out of range": (
         INERTIAL.replace('"2"', '"1e200"'),
@@ -71,7 +71,7 @@ LINKS = {
     ),
     "an angle that no robot has": (
         INERTIAL.replace('xyz="0 0 0.1"', 'rpy="0 0 -2e5"'),
-        ":4: link arm, rpy: -200000 rad; an angle lies within 100000 rad; correct it",
+        ":4: link arm, rpy: -200000 rad; an angle lies within 100000 rad; reduce it by whole turns",
     ),
     "two inertials": (
         INERTIAL * 2,
@@ -79,16 +79,17 @@ LINKS = {
     ),
     "slip in an element": (
         INERTIAL.replace("inertial", "inertail"),
-        ':4: link arm: unknown element <inertail>; did you mean "inertial"? correct it',
+        ':4: link arm: unknown element <inertail>; did you mean "inertial"? rename it',
     ),
     "slip in an attribute": (
         INERTIAL.replace('xyz="0 0 0.1"', 'rpyy="0 0 0.1"'),
-        ':4: link arm: unknown attribute "rpyy" of <origin>; did you mean "rpy"? correct it',
+        ':4: link arm: unknown attribute "rpyy" of <origin>; did you mean "rpy"? rename or '
+        "remove it",
     ),
     "two entries": (
         INERTIAL.replace("0 0 0.1", "0 0.1"),
         ':4: link arm, xyz: "0 0.1" has 2 entries; a vector has three, with blanks between; '
-        "correct it",
+        'write three, such as "0 0 0"',
     ),
     "nothing that moves has mass": (
         "",
@@ -104,29 +105,32 @@ JOINTS = {
     ),
     "slip in the origin": (
         '<origin xzy="0 0 0.3"/>' + AXIS + LIMIT,
-        ':3: joint turn: unknown attribute "xzy" of <origin>; did you mean "xyz"? correct it',
+        ':3: joint turn: unknown attribute "xzy" of <origin>; did you mean "xyz"? rename or '
+        "remove it",
     ),
     "axis of another format": (
         '<axis value="0 0 1"/>' + LIMIT,
-        ':3: joint turn: unknown attribute "value" of <axis>; did you mean "xyz"? correct it',
+        ':3: joint turn: unknown attribute "value" of <axis>; did you mean "xyz"? rename or '
+        "remove it",
     ),
     "axis turned besides": (
         '<axis xyz="0 0 1" rpy="0 0.5 0"/>' + LIMIT,
-        ':3: joint turn: unknown attribute "rpy" of <axis>; known: xyz; correct it',
+        ':3: joint turn: unknown attribute "rpy" of <axis>; known: xyz; rename or remove it',
     ),
     "limit of another format": (
         AXIS + '<limit min="-1" upper="1" effort="1" velocity="1"/>',
-        ':3: joint turn: unknown attribute "min" of <limit>; did you mean "lower"? correct it',
+        ':3: joint turn: unknown attribute "min" of <limit>; did you mean "lower"? rename or '
+        "remove it",
     ),
     "limit in degrees": (
         AXIS + '<limit lower="-90" upper="90" unit="deg" effort="1" velocity="1"/>',
         ':3: joint turn: unknown attribute "unit" of <limit>; known: lower, upper, effort, '
-        "velocity, acceleration, drake:acceleration, deceleration, jerk; correct it",
+        "velocity, acceleration, drake:acceleration, deceleration, jerk; rename or remove it",
     ),
     "slip in the dynamics": (
         AXIS + LIMIT + '<dynamics dampng="1"/>',
-        ':3: joint turn: unknown attribute "dampng" of <dynamics>; did you mean "damping"? correct '
-        "it",
+        ':3: joint turn: unknown attribute "dampng" of <dynamics>; did you mean "damping"? rename '
+        "or remove it",
     ),
     "dynamics as elements": (
         AXIS + LIMIT + "<dynamics><damping>1</damping></dynamics>",
@@ -140,8 +144,8 @@ JOINTS = {
     ),
     "mimic of another format": (
         AXIS + LIMIT + '<mimic joint="turn" ratio="2"/>',
-        ':3: joint turn: unknown attribute "ratio" of <mimic>; did you mean "multiplier"? correct '
-        "it",
+        ':3: joint turn: unknown attribute "ratio" of <mimic>; did you mean "multiplier"? rename '
+        "or remove it",
     ),
     "quaternion before it was one": (
         '<origin quat_xyzw="0 0 0 1"/>' + AXIS + LIMIT,
@@ -156,7 +160,7 @@ JOINTS = {
     ),
     "armature below 0": (
         AXIS + LIMIT + '<dynamics armature="-1"/>',
-        ":3: joint turn, drive.rotor_inertia: -1 is negative; it is at least 0; correct it",
+        ":3: joint turn, drive.rotor_inertia: -1 is negative; it is at least 0; write 0 or more",
     ),
     "reversed limits": (
         AXIS + '<limit lower="1" upper="-1" effort="1" velocity="1"/>',
@@ -171,12 +175,12 @@ JOINTS = {
     ),
     "negative effort": (
         AXIS + '<limit lower="-1" upper="1" effort="-1" velocity="1"/>',
-        ":3: joint turn, limits.torque: -1 is not positive; it must be above 0; correct it or "
-        "leave it out",
+        ":3: joint turn, limits.torque: -1 is not positive; it must be above 0; write a positive "
+        "number or leave it out",
     ),
     "negative damping": (
         AXIS + LIMIT + '<dynamics damping="-1"/>',
-        ":3: joint turn, friction.viscous: -1 is negative; it is at least 0; correct it",
+        ":3: joint turn, friction.viscous: -1 is negative; it is at least 0; write 0 or more",
     ),
     "leader that is not there": (
         AXIS + LIMIT + '<mimic joint="tarn"/>',
@@ -202,7 +206,8 @@ ROBOTS = {
     ),
     "own parent": (
         robot(BASE, joint("turn", "arm", "arm"), ARM),
-        ':3: joint turn: link "arm" is its own parent; a robot is a tree; correct it',
+        ':3: joint turn: link "arm" is its own parent; a robot is a tree; name another '
+        "link as parent or child",
     ),
     "two parents": (
         robot(BASE, TURN, joint("again", "base", "arm"), ARM),
@@ -316,7 +321,7 @@ ROBOTS = {
             '<transmission name="t"><joint name="turn"/><actuator name="m">'
             "<mechanicalReduction>0</mechanicalReduction></actuator></transmission>",
         ),
-        ":5: transmission t: mechanicalReduction is 0; motor over joint is not 0; correct it",
+        ":5: transmission t: mechanicalReduction is 0; motor over joint is not 0; write that ratio",
     ),
 }  # fmt: skip
 

@@ -10,12 +10,26 @@ import numpy as np
 
 import modrobust as mr
 from modrobust import _kernel
-from modrobust.model import Robot
-from support.kernel.native import BOUNDS, GAINS, Native
+from modrobust.model import LoopSettings, Robot
+from support.kernel.native import BOUNDS, GAINS, LOGGED, TOTALS, Native
+from support.loops import make_loop
 from support.random_robots import random_robot, random_state, tied
 
 State = tuple[Any, Any, Any, Any]
 WIDTHS = ("exact", "narrow", "wide", "mixed")
+CEILINGS = {"kappa_max": 2.05, "phi_max": 1.1, "leak": 3.0}
+LAWS: dict[str, dict[str, Any]] = {
+    **{f"norm {name}": {"law": "norm", "bound": name, **GAINS} for name in BOUNDS},
+    "componentwise": {"law": "componentwise", **GAINS, **CEILINGS},
+    "hold-aware": {"law": "norm", "bound": "ianea", "hold_aware": True, "delay": 1.0, **GAINS},
+    "sampled": {"law": "sampled", "G": 40.0, "blend": 0.05},
+    "sampled late": {"law": "sampled", "bound": "ianea", "G": 40.0, "delay": 1.0, "blend": 0.0},
+}
+LOOPS = {  # law, steps a tick, implicit
+    "norm hull": ("norm hull", 1, False),
+    "norm ianea": ("norm ianea", 1, False),
+    "as a drive runs it": ("sampled late", 3, True),
+}
 
 
 def robots(seed: int, count: int) -> Iterator[Robot]:
@@ -35,7 +49,11 @@ def robots(seed: int, count: int) -> Iterator[Robot]:
         )
         if k % 3 == 1:
             endless = {"revolute": "continuous", "prismatic": "prismatic"}
-            robot = replace(robot, joint_types=tuple(endless[kind] for kind in robot.joint_types))
+            robot = replace(
+                robot,
+                joint_types=tuple(endless[kind] for kind in robot.joint_types),
+                effort_limits=np.full(robot.n, 20.0),  # [N m] or [N]
+            )
         if k % 2 and robot.n > 1:
             robot = tied(robot, int(rng.integers(1, robot.n)), rng, anywhere=k % 4 == 3)
         yield robot
@@ -58,6 +76,32 @@ def ticks(state: State) -> list[tuple[float, tuple[Any, ...]]]:
     q, dq, dq_a, ddq_a = state
     times = (0.0, 2**-10, 2**-8)
     return [(t, (q, np.roll(dq, k), np.roll(q, 1), dq_a, ddq_a)) for k, t in enumerate(times)]
+
+
+def controller_of(robot: Robot, law: str) -> mr.RobustController:
+    """The controller of `LAWS`, for a loop with everything that a drive does to it if late."""
+    if law != "sampled late":
+        return mr.RobustController(robot, **LAWS[law])
+    loop = LoopSettings(
+        noise_position=(1e-4,) * robot.n,
+        noise_velocity=(1e-2,) * robot.n,
+        quantisation_position=(1e-5,) * robot.n,
+        saturation=True,
+        disturbance="worst",
+    )
+    return mr.RobustController(robot, loop=loop, **LAWS[law])
+
+
+def loop_motion(state: State) -> list[Any]:
+    """Four ticks of one desired state: q_des, dq_des, ddq_des."""
+    q, dq, _, _ = state
+    return [np.tile(x, (4, 1)) for x in (q, dq, np.zeros(len(q)))]
+
+
+def in_one(status: int, loop: dict[str, Any]) -> Any:
+    """Logs and totals of a loop as one array, its status first."""
+    names = (*LOGGED, *TOTALS, "q after", "dq after", "ticks_at_limit")
+    return np.concatenate([[status], *(np.ravel(loop[name]) for name in names)])
 
 
 def outcome(call: Callable[..., Any], *arguments: Any) -> Any:
@@ -89,10 +133,17 @@ def by_extension(robot: Robot, state: State, run: Callable[..., Any] = outcome) 
         batch = _kernel.inverse_dynamics_bounds_batch
         out[f"{name} batch"] = run(batch, robot.model, *box, *many, code, True, 2)
         out[f"{name} phi"] = run(_kernel.perturbation_bounds, robot.model, *box, d, *state, code)
-        settings = {"law": "norm", "bound": name, **GAINS}
-        _, controller = run(lambda settings=settings: mr.RobustController(robot, **settings).kernel)
+    for law in LAWS:
+        _, controller = run(lambda law=law: controller_of(robot, law).kernel)
         for k, (t, signals) in enumerate(ticks(state)):
-            out[f"{name} u{k}"] = run(controller.command, t, *signals)
+            out[f"{law} u{k}"] = run(controller.command, t, *signals)
+    for name, (law, substeps, implicit) in LOOPS.items():
+        made = controller_of(robot, law)
+        loop = make_loop(made, robot.nominal, q=q, dq=dq, substeps=substeps, implicit=implicit)
+        _, log = run(loop.advance, *loop_motion(state), 1)
+        totals = {total: getattr(loop, total) for total in (*TOTALS, "ticks_at_limit")}
+        after = {"q after": loop.q, "dq after": loop.dq}
+        out[f"loop {name}"] = 0, in_one(loop.status, {**log, **totals, **after})
     status, T = run(_kernel.forward_kinematics, robot.model, q)
     rows = None if T is None else np.concatenate([T[:, :3, :3].reshape(-1, 9), T[:, :3, 3]], axis=1)
     out["frames"] = status, rows
@@ -116,8 +167,13 @@ def by_native(native: Native, state: State) -> dict[str, Any]:
         out[f"{name} batch"] = native.batch(name, many, True)
         status, rows = native.perturbation(name, state)
         out[f"{name} phi"] = status, rows[1:]
-        for k, answer in enumerate(native.commands(name, ticks(state))):
-            out[f"{name} u{k}"] = answer
+    for law in LAWS:
+        commands = native.commands(controller_of(native.robot, law), ticks(state))
+        out |= {f"{law} u{k}": answer for k, answer in enumerate(commands)}
+    for name, (law, *how) in LOOPS.items():
+        made = controller_of(native.robot, law)
+        status, found = native.loop(made, (q, dq), loop_motion(state), *how)
+        out[f"loop {name}"] = 0, in_one(status, found)
     out["frames"] = native.forward_kinematics(q)
     return out
 
@@ -136,20 +192,3 @@ def differences(expected: dict[str, Any], found: dict[str, Any]) -> list[str]:
         if not same and name not in wrong:
             wrong.append(name)
     return wrong
-
-
-def beyond_native(robot: Robot, state: State, run: Callable[..., Any] = outcome) -> dict[str, Any]:
-    """What the extension offers beyond `by_native`: the closed loop."""
-    q, dq, _, _ = state
-    out = {}
-    zero = np.zeros(robot.n)
-    for name in BOUNDS:
-        settings = {"law": "norm", "bound": name, **GAINS}
-        controller = mr.RobustController(robot, **settings).kernel  # type: ignore[arg-type]
-        loop = _kernel.Loop(controller, robot.nominal.packed, zero, q, dq, 2**-14, 1)
-        motion = [np.tile(x, (4, 1)) for x in (q, dq, zero)]
-        _, log = run(loop.advance, *motion, 1)
-        out[f"{name} loop"] = 0, np.concatenate([np.ravel(log[key]) for key in sorted(log)])
-        totals = (loop.status, loop.ticks, loop.violations, loop.violation_max, loop.rho_sum)
-        out[f"{name} loop totals"] = 0, np.array(totals, dtype=float)
-    return out

@@ -11,14 +11,27 @@ import shutil
 import subprocess
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from ctypes import POINTER, Structure, byref, c_double, c_int, c_int32, c_size_t
+from ctypes import (
+    POINTER,
+    Structure,
+    byref,
+    c_double,
+    c_int,
+    c_int32,
+    c_int64,
+    c_size_t,
+    c_uint64,
+    c_void_p,
+)
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import modrobust as mr
 import modrobust.kernel
+from modrobust.control.settings import kernel_gains, kernel_loop
 from modrobust.model import Parameters, Robot
 
 FOLDER = Path(modrobust.kernel.__file__).parent
@@ -78,9 +91,14 @@ class Gains(Structure):
 
     _fields_ = (
         ("K_r", Doubles),
-        *((name, c_double) for name in GAINS),
-        ("law", c_int),
-        ("method", c_int),
+        *((name, c_double) for name in ("kappa_P", "kappa_I", "phi_P", "phi_I")),
+        *((name, c_double) for name in ("kappa_max", "phi_max", "leak", "epsilon")),
+        *((name, c_int) for name in ("law", "method")),
+        ("hold_aware", c_int32),
+        *((name, c_double) for name in ("period", "delay", "G", "Lambda", "L_i", "blend")),
+        *((name, c_int32) for name in ("integral", "predictor", "vector_saturation")),
+        ("effort_limit", Doubles),
+        *((name, Point) for name in ("centre", "light")),
     )
 
 
@@ -90,6 +108,8 @@ class ControllerState(Structure):
     _fields_ = (
         *((name, c_double) for name in ("integral", "previous_f", "previous_time")),
         ("started", c_int32),
+        ("start_time", c_double),
+        ("memory", Doubles),
     )
 
 
@@ -98,8 +118,73 @@ class CommandOut(Structure):
 
     _fields_ = (
         *((name, Doubles) for name in ("tau", "nominal", "v", "phi_lo", "phi_hi", "rho")),
-        *((name, c_double) for name in ("rho_norm", "kappa", "phi")),
+        *((name, c_double) for name in ("rho_norm", "kappa", "phi", "alpha")),
     )
+
+
+class Sensor(Structure):
+    """mr_sensor."""
+
+    _fields_ = (
+        *((name, Doubles) for name in ("noise_q", "noise_dq", "step_q", "step_dq")),
+        ("worst", c_int32),
+        ("filter", c_double),
+        ("random", c_uint64 * 2),
+        ("started", c_int32),
+        *((name, Doubles) for name in ("previous_q", "rate")),
+    )
+
+
+class Disturbance(Structure):
+    """mr_disturbance."""
+
+    _fields_ = (
+        ("kind", c_int),
+        ("constant", Doubles),
+        ("frequency", c_double),
+        ("random", c_uint64 * 2),
+    )
+
+
+class Loop(Structure):
+    """mr_loop."""
+
+    _fields_ = (
+        ("dt", c_double),
+        *((name, c_int32) for name in ("substeps", "implicit")),
+        ("delay", c_double),
+        ("saturation", c_int32),
+        ("sensor", Sensor),
+        ("disturbance", Disturbance),
+        *((name, c_void_p) for name in ("plant", "context")),
+        *((name, c_int64) for name in ("ticks", "violations")),
+        *((name, c_double) for name in ("violation_max", "error_last", "last_outside")),
+        *((name, c_double) for name in ("error_max_after", "rho_sum", "rho_max")),
+        ("limited", c_int64),
+        *((name, Doubles) for name in ("q", "dq", "tau_previous", "tau_max")),
+        *((name, Doubles) for name in ("total_variation", "ticks_at_limit")),
+    )
+
+
+LOGGED = (
+    *("t", "q", "dq", "q_des", "dq_des", "ddq_des", "tau", "nominal", "w", "phi_lo", "phi_hi"),
+    *("rho", "width_hull", "width_ianea", "total_variation"),
+)
+TOTALS = (
+    *("ticks", "violations", "violation_max", "error_last", "last_outside", "error_max_after"),
+    *("rho_sum", "rho_max", "limited"),
+)
+
+
+class LoopLog(Structure):
+    """mr_loop_log."""
+
+    _fields_ = tuple((name, Doubles) for name in LOGGED)
+
+
+def gains_of(controller: mr.RobustController) -> dict[str, Any]:
+    """mr_gains by name, with which the controller was made."""
+    return kernel_gains(controller.robot, controller.settings, controller.loop, *controller._points)
 
 
 def compiler(name: str) -> str:
@@ -186,13 +271,16 @@ class Native:
     """A compiled kernel at work on one robot: inputs are NumPy arrays, results (status, array)."""
 
     def __init__(self, library: ctypes.CDLL, robot: Robot, memory: Memory) -> None:
-        self._lib, self._robot, self._memory = library, robot, memory
+        self._lib, self.robot, self._memory = library, robot, memory
         for name in (
             "precomputed",
             "prepared",
             "workspace",
             "batch_workspace",
             "dynamics_workspace",
+            "command_workspace",
+            "loop_workspace",
+            "controller_memory",
         ):
             getattr(library, f"mr_{name}_size").restype = c_size_t
         self.n, f = robot.n, robot.mimic
@@ -227,13 +315,14 @@ class Native:
     def size(self, name: str) -> int:
         return int(getattr(self._lib, f"mr_{name}_size")(byref(self._model)))
 
-    def _point(self, point: Parameters) -> Point:
-        b, j, m = self._robot.b, self._robot.j, self._memory
+    def _point(self, point: Any) -> Point:
+        b, j, m = self.robot.b, self.robot.j, self._memory
         ends = np.cumsum([b, 3 * b, 6 * b, j, j])
-        return Point(*(m.doubles(part) for part in np.split(point.packed, ends)))
+        packed = point.packed if isinstance(point, Parameters) else point
+        return Point(*(m.doubles(part) for part in np.split(packed, ends)))
 
     def _box(self) -> Bounds:
-        robot, m = self._robot, self._memory
+        robot, m = self.robot, self._memory
         lower, upper = self._point(robot.lower), self._point(robot.upper)
         uncertain = m.ints(np.zeros(robot.b))
         count = self._lib.mr_find_uncertain(robot.b, byref(lower), byref(upper), uncertain)
@@ -313,18 +402,28 @@ class Native:
 
     def forward_kinematics(self, q: Any) -> Any:
         with Memory() as m:
-            frames, workspace = m.empty(12 * self._robot.j), m.empty(self.size("workspace"))
+            frames, workspace = m.empty(12 * self.robot.j), m.empty(self.size("workspace"))
             given = byref(self._model), m.doubles(q), workspace
             status = self._lib.mr_forward_kinematics(*given, frames)
-            return status, taken(frames, self._robot.j, 12)
+            return status, taken(frames, self.robot.j, 12)
 
-    def commands(self, bound: str, ticks: Sequence[tuple[float, Sequence[Any]]]) -> list[Any]:
+    def _gains(self, controller: mr.RobustController, m: Memory) -> Gains:
+        given = gains_of(controller)
+        points = {name: self._point(given.pop(name)) for name in ("centre", "light")}
+        arrays = {name: m.doubles(given.pop(name)) for name in ("K_r", "effort_limit")}
+        return Gains(method=given.pop("bound"), **given, **points, **arrays)
+
+    def _state(self, m: Memory) -> ControllerState:
+        return ControllerState(memory=m.empty(self.size("controller_memory")))
+
+    def commands(
+        self, controller: mr.RobustController, ticks: Sequence[tuple[float, Sequence[Any]]]
+    ) -> list[Any]:
         """(status, rows tau, nominal, v, phi_lo, phi_hi, rho) of each command; t and signals."""
-        out, state = [], ControllerState()
+        out = []
         with Memory() as m:
-            K_r = m.doubles(self._robot.controller.K_r)
-            gains = Gains(K_r=K_r, law=0, method=BOUNDS[bound], **GAINS)
-            workspace = m.empty(self.size("workspace"))
+            gains, state = self._gains(controller, m), self._state(m)
+            workspace = m.empty(self.size("command_workspace"))
             for t, signals in ticks:
                 rows = [m.empty(self.n) for _ in range(6)]
                 answer = CommandOut(*rows)
@@ -333,6 +432,69 @@ class Native:
                 status = self._lib.mr_command(*head, *given)
                 out.append((status, np.array([taken(row, self.n) for row in rows])))
         return out
+
+    def loop(
+        self,
+        controller: mr.RobustController,
+        start: Sequence[Any],
+        motion: Sequence[Any],
+        substeps: int,
+        implicit: bool,
+    ) -> tuple[int, dict[str, Any]]:
+        """Status, and logs and totals by name, of the closed loop with the nominal robot.
+
+        start: q and dq; motion: (k, n) each. Every tick is logged.
+        """
+        given = kernel_loop(controller.loop, 0, substeps, implicit)
+        count, n = motion[0].shape
+        with Memory() as m:
+
+            def sizes(name: str) -> Any:
+                return m.doubles(given[name]) if given[name].size else None
+
+            gains, state = self._gains(controller, m), self._state(m)
+            names = ("tau_previous", "tau_max", "total_variation", "ticks_at_limit")
+            own = {name: m.doubles(np.zeros(n)) for name in names}
+            q, dq = (m.doubles(x) for x in start)
+            loop = Loop(
+                **{name: given[name] for name in ("dt", "substeps", "implicit", "delay")},
+                saturation=given["saturation"],
+                sensor=Sensor(
+                    noise_q=sizes("noise_position"),
+                    noise_dq=sizes("noise_velocity"),
+                    step_q=sizes("quantisation_position"),
+                    step_dq=sizes("quantisation_velocity"),
+                    worst=given["noise_worst"],
+                    filter=given["filter"],
+                    random=(c_uint64 * 2)(*given["noise_seed"]),
+                    previous_q=m.empty(n),
+                    rate=m.empty(n),
+                ),
+                disturbance=Disturbance(
+                    kind=given["disturbance"],
+                    constant=m.doubles(np.zeros(n)),
+                    frequency=given["frequency"],
+                    random=(c_uint64 * 2)(*given["disturbance_seed"]),
+                ),
+                last_outside=-1.0,
+                q=q,
+                dq=dq,
+                **own,
+            )
+            rows = {name: m.empty(count * (1 if name == "t" else n)) for name in LOGGED}
+            log, logged = LoopLog(**rows), c_int32()
+            reference = [m.doubles(x) for x in motion]
+            status = self._lib.mr_loop_advance(
+                *(byref(self._model), byref(self._bounds), byref(gains), byref(self._nominal)),
+                *(count, *reference, 1, m.empty(self.size("loop_workspace"))),
+                *(byref(state), byref(loop), byref(log), byref(logged)),
+            )
+            out = {name: taken(rows[name], count, n)[: logged.value] for name in LOGGED[1:]}
+            out["t"] = taken(rows["t"], count)[: logged.value]
+            out |= {name: float(getattr(loop, name)) for name in TOTALS}
+            out |= {"q after": taken(q, n), "dq after": taken(dq, n)}
+            out["ticks_at_limit"] = taken(own["ticks_at_limit"], n)
+            return status, out
 
 
 def sincos(library: ctypes.CDLL, x: float) -> tuple[float, float]:

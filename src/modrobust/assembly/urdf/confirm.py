@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from modrobust.assembly.urdf.joints import Joint
-from modrobust.assembly.urdf.reader import Description, Link
+from modrobust.assembly.urdf.reader import Link, UrdfDescription
 from modrobust.assembly.urdf.values import read_pose
 from modrobust.assembly.urdf.xml import Element, serialise
 from modrobust.model.geometry import Transform
@@ -21,7 +21,7 @@ _DROPPED = ("visual", "collision", "material", "gazebo", "transmission", "sensor
 _TOLERANCE = 1e-9  # [m] or of the rotation: two ways to compute a rotation from rpy
 
 
-def confirm(description: Description, root: Element) -> None:
+def confirm(description: UrdfDescription, root: Element) -> None:
     """Holds our reading against that of yourdfpy.
 
     Raises:
@@ -48,7 +48,7 @@ def confirm(description: Description, root: Element) -> None:
             raise joint.where.error(f"joint {name}", _differs())
 
 
-def _plain(root: Element, description: Description) -> Element:
+def _plain(root: Element, description: UrdfDescription) -> Element:
     """The tree without what yourdfpy cannot read: quaternions, inertials that an overlay mends."""
 
     def plain(element: Element) -> Element:

@@ -14,7 +14,7 @@ from modrobust.assembly.urdf.joints import Joint
 from modrobust.assembly.urdf.limits import JointRemarks, read_limits
 from modrobust.assembly.urdf.reader import Inertial, Link
 from modrobust.assembly.urdf.transmissions import Transmission
-from modrobust.assembly.urdf.values import Number
+from modrobust.assembly.urdf.values import UrdfNumber
 from modrobust.errors import DescriptionError
 from modrobust.formats import JointItem, ListNode, MapNode, Node, Quantity, ScalarNode, Where
 from modrobust.formats.bodies import Masses, Six, read_inertia, read_masses
@@ -229,11 +229,11 @@ def _drive(
     return {"gear_ratio": ScalarNode("1", armature.node.where), "rotor_inertia": armature.node}
 
 
-def _present(**numbers: Number | None) -> dict[str, Node]:
+def _present(**numbers: UrdfNumber | None) -> dict[str, Node]:
     return {key: number.node for key, number in numbers.items() if number is not None}
 
 
-def _nonzero(number: Number | None) -> Number | None:
+def _nonzero(number: UrdfNumber | None) -> UrdfNumber | None:
     return None if number is None or number.value == 0.0 else number
 
 

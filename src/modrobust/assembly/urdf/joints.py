@@ -10,7 +10,7 @@ from fractions import Fraction
 from modrobust.assembly.urdf.transmissions import Transmission
 from modrobust.assembly.urdf.unmodelled import LIMIT_PASSED, Unmodelled, in_dynamics, in_joint
 from modrobust.assembly.urdf.values import (
-    Number,
+    UrdfNumber,
     optional,
     read_name,
     read_pose,
@@ -58,18 +58,18 @@ class Joint:
     child: str
     origin: Transform
     axis: Transform
-    lower: Number | None
-    upper: Number | None
-    effort: Number | None
-    velocity: Number | None
-    damping: Number | None
-    friction: Number | None
+    lower: UrdfNumber | None
+    upper: UrdfNumber | None
+    effort: UrdfNumber | None
+    velocity: UrdfNumber | None
+    damping: UrdfNumber | None
+    friction: UrdfNumber | None
     mimic: Mimic | None
     drive: Transmission | None
     where: Where
     limit_where: Where | None = None
-    acceleration: Number | None = None
-    armature: Number | None = None
+    acceleration: UrdfNumber | None = None
+    armature: UrdfNumber | None = None
 
 
 @dataclass
@@ -106,10 +106,12 @@ class JointReader:
                 ends[end] = _end(element, end, owner, self.links)
         if ends["parent"] == ends["child"] != "":
             raise element.where.error(
-                owner, f'link "{ends["child"]}" is its own parent; a robot is a tree; correct it'
+                owner,
+                f'link "{ends["child"]}" is its own parent; a robot is a tree; name another link '
+                "as parent or child",
             )
-        pose, axis, limits, mimic = IDENTITY, IDENTITY, dict[str, Number | None](), None
-        friction = dict[str, Number | None]()
+        pose, axis, limits, mimic = IDENTITY, IDENTITY, dict[str, UrdfNumber | None](), None
+        friction = dict[str, UrdfNumber | None]()
         limit = None
         with self.faults.caught():
             pose = read_pose(element.one("origin", owner), owner, self.version)[1]
@@ -143,7 +145,7 @@ class JointReader:
             armature=friction.get("armature"),
         )
 
-    def _limits(self, limit: Element | None, name: str, owner: str) -> dict[str, Number | None]:
+    def _limits(self, limit: Element | None, name: str, owner: str) -> dict[str, UrdfNumber | None]:
         if limit is None:
             return {}
         refuse_foreign(limit, owner, LIMITS, LIMIT_PASSED)
@@ -152,7 +154,7 @@ class JointReader:
             self.unkept.append(name)
         return read
 
-    def _dynamics(self, element: Element, name: str, owner: str) -> dict[str, Number | None]:
+    def _dynamics(self, element: Element, name: str, owner: str) -> dict[str, UrdfNumber | None]:
         self.unmodelled.of_joint(name, in_joint(element))
         dynamics = element.one("dynamics", owner)
         if dynamics is not None:

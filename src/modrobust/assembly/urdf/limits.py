@@ -6,7 +6,7 @@ from collections.abc import Container
 from dataclasses import dataclass, field
 
 from modrobust.assembly.urdf.joints import Joint
-from modrobust.assembly.urdf.values import Number
+from modrobust.assembly.urdf.values import UrdfNumber
 from modrobust.formats import ListNode, Node, ScalarNode
 from modrobust.formats.nodes import shown
 
@@ -74,7 +74,7 @@ def _position(joint: Joint, remarks: JointRemarks) -> ListNode | None:
         remarks.add("no position limits are written, so there are none", joint.name)
         return None
     place = joint.limit_where or joint.where
-    zero = Number(ScalarNode("0", place), 0.0)
+    zero = UrdfNumber(ScalarNode("0", place), 0.0)
     lower, upper = joint.lower or zero, joint.upper or zero
     if lower.value < -FARTHEST and upper.value > FARTHEST:
         remarks.add(f"position limits beyond {FARTHEST:g} taken as none", joint.name)

@@ -15,7 +15,7 @@ from modrobust.assembly.urdf.joints import Joint, JointReader
 from modrobust.assembly.urdf.transmissions import Transmission, read_transmissions
 from modrobust.assembly.urdf.unmodelled import Unmodelled, around
 from modrobust.assembly.urdf.values import (
-    Number,
+    UrdfNumber,
     read_name,
     read_pose,
     refuse_foreign,
@@ -51,11 +51,11 @@ _ROBOT = ("link", "joint", "transmission", "material", "gazebo", "sensor", "ros2
 class Inertial:
     """Mass, centre and tensor as written; `origin` is the inertial frame in the link."""
 
-    mass: Number
-    xyz: tuple[Number, Number, Number]
+    mass: UrdfNumber
+    xyz: tuple[UrdfNumber, UrdfNumber, UrdfNumber]
     origin: Transform
     rotated: bool  # whether rpy is not zero
-    tensor: tuple[Number, ...]  # xx, xy, xz, yy, yz, zz
+    tensor: tuple[UrdfNumber, ...]  # xx, xy, xz, yy, yz, zz
     where: Where
 
 
@@ -74,7 +74,7 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Description:
+class UrdfDescription:
     """A URDF as written: a tree of links with one root."""
 
     name: str
@@ -98,7 +98,7 @@ class Items:
     unmodelled: Unmodelled
 
 
-def read_description(root: Element) -> Description:
+def read_description(root: Element) -> UrdfDescription:
     """The robot of an XML tree.
 
     Raises:
@@ -160,7 +160,7 @@ def read_items(root: Element, faults: Faults) -> Items:
     return Items(by_name, joints, notes, unmodelled)
 
 
-def read_structure(root: Element, items: Items) -> Description:
+def read_structure(root: Element, items: Items) -> UrdfDescription:
     """The description of links and joints that were all read.
 
     Raises:
@@ -209,7 +209,7 @@ def _refuse_xacro(root: Element) -> None:
             )
 
 
-def _structured(root: Element, items: Items) -> Description:
+def _structured(root: Element, items: Items) -> UrdfDescription:
     """The description with its tree, after every way not to be one has been excluded."""
     links, joints = items.links, items.joints
     above: dict[str, Joint] = {}
@@ -245,7 +245,7 @@ def _structured(root: Element, items: Items) -> Description:
         raise _loop(_cycle(lost[0], above), above)
     name = read_name(root)
     notes = tuple(items.notes)
-    return Description(
+    return UrdfDescription(
         name, links, joints, roots[0], notes, root.where, above, below, items.unmodelled
     )
 
@@ -296,7 +296,7 @@ def _link(element: Element, version: float) -> Link:
 
 def _inertial(element: Element, name: str, owner: str, version: float, where: Where) -> Link:
     refuse_slips(element, owner, ("origin", "mass", "inertia"), ())
-    zero = Number(ScalarNode("0", element.where), 0.0)
+    zero = UrdfNumber(ScalarNode("0", element.where), 0.0)
     faults: dict[str, DescriptionError] = {}
     mass, tensor = zero, (zero,) * len(_ENTRIES)
     xyz, pose, rotated = (zero, zero, zero), IDENTITY, False

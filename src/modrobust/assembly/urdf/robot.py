@@ -24,7 +24,13 @@ from modrobust.assembly.urdf.items import (
 )
 from modrobust.assembly.urdf.limits import JointRemarks
 from modrobust.assembly.urdf.mimic import within_mimic_limits
-from modrobust.assembly.urdf.reader import Description, Inertial, Items, read_items, read_structure
+from modrobust.assembly.urdf.reader import (
+    Inertial,
+    Items,
+    UrdfDescription,
+    read_items,
+    read_structure,
+)
 from modrobust.assembly.urdf.tree import MOVING, Selection, select
 from modrobust.assembly.urdf.unmodelled import remark
 from modrobust.checks import unknown_name
@@ -100,7 +106,7 @@ def _bounded(joint: PlacedJoint, body: PlacedBody) -> bool:
     return any(quantity is not None and quantity.bounded for quantity in every)
 
 
-def _described(source: UrdfSource) -> Description:
+def _described(source: UrdfSource) -> UrdfDescription:
     """The links and joints of a URDF or xacro file, read twice.
 
     Raises:
@@ -137,7 +143,7 @@ def _check_figures(items: Items, source: UrdfSource, faults: UrdfFaults) -> None
                 read_body(link, overlay, tolerances)
 
 
-def _check_overlays(description: Description, source: UrdfSource) -> None:
+def _check_overlays(description: UrdfDescription, source: UrdfSource) -> None:
     for kind, overlays, known in (
         ("link", source.links, list(description.links)),
         ("joint", source.joints, list(description.joints)),
@@ -172,7 +178,7 @@ def _joints(
 
 
 def _bodies(
-    description: Description,
+    description: UrdfDescription,
     chosen: Selection,
     source: UrdfSource,
     tolerances: Tolerances,
@@ -223,7 +229,7 @@ def _bodies(
 
 
 def _need_mass(
-    description: Description,
+    description: UrdfDescription,
     chosen: Selection,
     joints: tuple[PlacedJoint, ...],
     bodies: list[PlacedBody],
@@ -262,7 +268,7 @@ def _need_mass(
             )
 
 
-def _placeholders(description: Description, chosen: Selection) -> list[str]:
+def _placeholders(description: UrdfDescription, chosen: Selection) -> list[str]:
     """Warnings that name links whose figures look made up."""
     groups: dict[tuple[float, ...], list[str]] = defaultdict(list)
     moving: dict[str, Inertial] = {}
@@ -293,7 +299,7 @@ def _placeholders(description: Description, chosen: Selection) -> list[str]:
 
 
 def _nodes(
-    description: Description, chosen: Selection, bodies: list[PlacedBody]
+    description: UrdfDescription, chosen: Selection, bodies: list[PlacedBody]
 ) -> tuple[ModuleNode, ...]:
     """The robot as a tree for display: what moves with one joint is one node.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from modrobust.assembly.urdf.unmodelled import Unmodelled, in_actuator
-from modrobust.assembly.urdf.values import MAX_NAME, Number, read_name, read_number, required
+from modrobust.assembly.urdf.values import MAX_NAME, UrdfNumber, read_name, read_number, required
 from modrobust.assembly.urdf.xml import Element
 from modrobust.errors import DescriptionError
 from modrobust.formats import ScalarNode
@@ -20,8 +20,8 @@ class Transmission:
     None where it is not written. A reduction acts once something gives a rotor inertia.
     """
 
-    reduction: Number | None
-    rotor_inertia: Number | None
+    reduction: UrdfNumber | None
+    rotor_inertia: UrdfNumber | None
 
 
 def read_transmissions(
@@ -81,7 +81,7 @@ def _drive(written: dict[str, list[Element]], owner: str, notes: list[str]) -> T
     if rotor is None or rotor.value == 0.0:
         return plain if gear is None else replace(plain, reduction=gear)
     if gear is None:
-        gear = Number(ScalarNode("1", rotor.node.where), 1.0)
+        gear = UrdfNumber(ScalarNode("1", rotor.node.where), 1.0)
     reduction = plain.reduction
     if reduction is not None and reduction.value != gear.value:
         notes.append(
@@ -92,7 +92,7 @@ def _drive(written: dict[str, list[Element]], owner: str, notes: list[str]) -> T
     return Transmission(gear, rotor)
 
 
-def _mechanical(given: list[Element], owner: str, notes: list[str]) -> Number | None:
+def _mechanical(given: list[Element], owner: str, notes: list[str]) -> UrdfNumber | None:
     if not given:
         return None
     try:
@@ -105,9 +105,9 @@ def _mechanical(given: list[Element], owner: str, notes: list[str]) -> Number | 
     return _above_zero(number, given[0], owner, "mechanicalReduction")
 
 
-def _above_zero(number: Number, element: Element, owner: str, key: str) -> Number:
+def _above_zero(number: UrdfNumber, element: Element, owner: str, key: str) -> UrdfNumber:
     """The number without its sign: that is the direction of the motor; inertia has the square."""
     if number.value == 0.0:
-        raise element.where.error(owner, f"{key} is 0; motor over joint is not 0; correct it")
+        raise element.where.error(owner, f"{key} is 0; motor over joint is not 0; write that ratio")
     node = ScalarNode(number.node.text.lstrip("+-"), element.where)
-    return Number(node, abs(number.value))
+    return UrdfNumber(node, abs(number.value))

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from modrobust.assembly.urdf.joints import Joint
-from modrobust.assembly.urdf.reader import Description
+from modrobust.assembly.urdf.reader import UrdfDescription
 from modrobust.checks import unknown_name
 from modrobust.formats import Node, ScalarNode
 from modrobust.formats.quantity import parse_angle, parse_exact
@@ -60,7 +60,7 @@ class Selection:
 
 
 def select(
-    description: Description,
+    description: UrdfDescription,
     base: ScalarNode | None,
     tip: ScalarNode | None,
     lock: Mapping[str, Node],
@@ -93,7 +93,7 @@ def select(
     return Selection(tuple(motions), frames, last, tuple(walk.notes), upright)
 
 
-def _link(description: Description, node: ScalarNode | None, field: str) -> str | None:
+def _link(description: UrdfDescription, node: ScalarNode | None, field: str) -> str | None:
     if node is None:
         return None
     if node.text not in description.links:
@@ -104,7 +104,7 @@ def _link(description: Description, node: ScalarNode | None, field: str) -> str 
 
 
 def _path(
-    description: Description, first: str, last: str, tip: ScalarNode | None
+    description: UrdfDescription, first: str, last: str, tip: ScalarNode | None
 ) -> frozenset[str]:
     """Names of the links from base to tip."""
     links = [last]
@@ -121,7 +121,7 @@ def _path(
     return frozenset(links)
 
 
-def _locked(description: Description, lock: Mapping[str, Node]) -> dict[str, Fraction]:
+def _locked(description: UrdfDescription, lock: Mapping[str, Node]) -> dict[str, Fraction]:
     """Positions of the locked joints, those that mimic a locked one included."""
     found: dict[str, Fraction] = {}
     for name, node in lock.items():
@@ -169,7 +169,7 @@ def _locked(description: Description, lock: Mapping[str, Node]) -> dict[str, Fra
 class _Walk:
     """The walk from the base to the ends, depth first, branches in the order of the file."""
 
-    description: Description
+    description: UrdfDescription
     locked: dict[str, Fraction]
     path: frozenset[str] | None
     last: str | None
@@ -274,7 +274,7 @@ class _Walk:
 
 
 def _free_first(
-    description: Description, motions: list[Motion], frames: dict[str, tuple[int, Transform]]
+    description: UrdfDescription, motions: list[Motion], frames: dict[str, tuple[int, Transform]]
 ) -> tuple[list[Motion], dict[str, tuple[int, Transform]]]:
     """Motions and frames with the free joints first and mimic joints behind them.
 
@@ -304,7 +304,7 @@ def _free_first(
 
 
 def _leader(
-    description: Description, joint: Joint, at: Mapping[str, int]
+    description: UrdfDescription, joint: Joint, at: Mapping[str, int]
 ) -> tuple[int, float, float]:
     """Index of the free joint at the end of a chain of mimics, multiplier and offset to it.
 
@@ -330,7 +330,8 @@ def _leader(
     except OverflowError:
         assert joint.mimic is not None
         raise joint.mimic.where.error(
-            f"joint {joint.name}, mimic", "out of range with the joints that it mimics; correct it"
+            f"joint {joint.name}, mimic",
+            "out of range with the joints that it mimics; check the multipliers and offsets",
         ) from None
 
 

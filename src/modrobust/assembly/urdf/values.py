@@ -36,7 +36,7 @@ _OTHER_WORDS = {
 
 
 @dataclass(frozen=True)
-class Number:
+class UrdfNumber:
     """A number of the file: its node and its nearest double."""
 
     node: ScalarNode
@@ -73,11 +73,11 @@ def refuse_slips(
     """
     for child in element.children:
         if child.tag not in children and (hint := slip(child.tag, children)):
-            raise child.where.error(owner, f"unknown element <{child.tag}>; {hint}correct it")
+            raise child.where.error(owner, f"unknown element <{child.tag}>; {hint}rename it")
     for key in element.attributes:
         if key not in attributes and (hint := slip(key, attributes)):
             raise element.where.error(
-                owner, f'unknown attribute "{key}" of <{element.tag}>; {hint}correct it'
+                owner, f'unknown attribute "{key}" of <{element.tag}>; {hint}rename it'
             )
 
 
@@ -104,7 +104,7 @@ def refuse_foreign(
             raise element.where.error(
                 owner,
                 f'unknown attribute "{key[:60]}" of <{element.tag}>; {_meant(key, attributes)}'
-                "correct it",
+                "rename or remove it",
             )
     for child in element.children:
         raise child.where.error(
@@ -128,7 +128,9 @@ def _meant(name: str, known: Sequence[str]) -> str:
     return did_you_mean(low, known) or f"known: {', '.join(known)}; "
 
 
-def read_number(element: Element, key: str, text: str, owner: str, endless: bool = False) -> Number:
+def read_number(
+    element: Element, key: str, text: str, owner: str, endless: bool = False
+) -> UrdfNumber:
     """A decimal number in SI units, as written; anything else is refused.
 
     Args:
@@ -140,24 +142,24 @@ def read_number(element: Element, key: str, text: str, owner: str, endless: bool
     """
     stripped = text.strip()
     if endless and _INFINITE.fullmatch(stripped):
-        return Number(ScalarNode(stripped, element.where), float(stripped))
+        return UrdfNumber(ScalarNode(stripped, element.where), float(stripped))
     if not _NUMBER.fullmatch(stripped):
         low = stripped.lower().lstrip("+-")
         what = "is not finite" if low in ("nan", "inf", "infinity") else "is not a number"
         raise element.where.error(
             f"{owner}, {key}",
             f"{shown(text)} {what}; numbers in a URDF are decimal, in SI units without the unit; "
-            "correct it",
+            'write it so, such as "0.25"',
         )
     value = float(stripped)
     if not endless and not abs(value) <= 1e100:
         raise element.where.error(
             f"{owner}, {key}", f"{shown(text)} is out of range; correct the exponent"
         )
-    return Number(ScalarNode(stripped, element.where), value)
+    return UrdfNumber(ScalarNode(stripped, element.where), value)
 
 
-def required(element: Element, key: str, owner: str) -> Number:
+def required(element: Element, key: str, owner: str) -> UrdfNumber:
     """The number of an attribute that must be there; nothing is guessed."""
     if key not in element.attributes:
         raise element.where.error(
@@ -167,7 +169,9 @@ def required(element: Element, key: str, owner: str) -> Number:
     return read_number(element, key, element.attributes[key], owner)
 
 
-def optional(element: Element | None, key: str, owner: str, endless: bool = False) -> Number | None:
+def optional(
+    element: Element | None, key: str, owner: str, endless: bool = False
+) -> UrdfNumber | None:
     """The number of an attribute, None where it is not written; see `read_number`."""
     if element is None or key not in element.attributes:
         return None
@@ -176,7 +180,7 @@ def optional(element: Element | None, key: str, owner: str, endless: bool = Fals
 
 def vector(
     element: Element | None, key: str, owner: str, default: str = "0 0 0"
-) -> tuple[Number, ...]:
+) -> tuple[UrdfNumber, ...]:
     """The numbers of an attribute, separated by blanks, as many as the default has."""
     text = default if element is None else element.attributes.get(key, default)
     parts, wanted = text.split(), {3: "three", 4: "four"}[len(default.split())]
@@ -185,14 +189,14 @@ def vector(
         raise place.where.error(
             f"{owner}, {key}",
             f"{shown(text)} has {len(parts)} entries; a vector has {wanted}, with blanks between; "
-            "correct it",
+            f'write {wanted}, such as "{default}"',
         )
     return tuple(read_number(place, key, part, owner) for part in parts)
 
 
 def three(
     element: Element | None, key: str, owner: str, default: str = "0 0 0"
-) -> tuple[Number, Number, Number]:
+) -> tuple[UrdfNumber, UrdfNumber, UrdfNumber]:
     """The three numbers of an attribute, separated by blanks."""
     x, y, z = vector(element, key, owner, default)
     return x, y, z
@@ -200,7 +204,7 @@ def three(
 
 def read_pose(
     element: Element | None, owner: str, version: float = 1.0
-) -> tuple[tuple[Number, Number, Number], Transform, bool]:
+) -> tuple[tuple[UrdfNumber, UrdfNumber, UrdfNumber], Transform, bool]:
     """The three lengths, the transform as written and whether it turns.
 
     Args:
@@ -218,15 +222,16 @@ def read_pose(
         if abs(angle.value) > MAX_ANGLE:
             raise angle.node.where.error(
                 f"{owner}, rpy",
-                f"{angle.value:g} rad; an angle lies within {MAX_ANGLE:g} rad; correct it",
+                f"{angle.value:g} rad; an angle lies within {MAX_ANGLE:g} rad; reduce it by "
+                "whole turns",
             )
     angles = [number.exact for number in rpy]
     return xyz, from_xyz_rpy([number.exact for number in xyz], angles), any(angles)
 
 
 def _by_quaternion(
-    element: Element, owner: str, xyz: tuple[Number, Number, Number], version: float
-) -> tuple[tuple[Number, Number, Number], Transform, bool]:
+    element: Element, owner: str, xyz: tuple[UrdfNumber, UrdfNumber, UrdfNumber], version: float
+) -> tuple[tuple[UrdfNumber, UrdfNumber, UrdfNumber], Transform, bool]:
     field = f"{owner}, quat_xyzw"
     if version < 1.1:
         raise element.where.error(
