@@ -82,11 +82,11 @@ def old_gains(name: str) -> dict[str, Any]:
 
 def make_loop(robot: Robot, rate: float, delay: float, noise: bool) -> LoopSettings:
     """The loop of a row: limits cut, and the noise of the tournament or none."""
-    sizes = {}
-    if noise:
-        position, velocity = ((size,) * robot.n for size in NOISE)
-        sizes = {"noise_position": position, "noise_velocity": velocity}
-    return replace(LoopSettings(rate=rate, delay=delay, saturation=True), **sizes)
+    loop = LoopSettings(rate=rate, delay=delay, saturation=True)
+    if not noise:
+        return loop
+    position, velocity = ((size,) * robot.n for size in NOISE)
+    return replace(loop, noise_position=position, noise_velocity=velocity)
 
 
 if __name__ == "__main__":

@@ -134,12 +134,15 @@ def settings_of(name: str, variant: Variant) -> ControllerSettings:
     epsilon = variant.epsilon or robot.controller.epsilon
     if variant.law != "auto":
         law, _, aware = variant.law.partition(", ")
-        gains = old_gains(name)
-        return checked_settings(
-            robot, {"law": law, "hold_aware": bool(aware), "epsilon": epsilon, **gains}
-        )
+        given: Any = {
+            "law": law,
+            "hold_aware": bool(aware),
+            "epsilon": epsilon,
+            **old_gains(name),
+        }
+        return checked_settings(robot, given)
     own = variant.motion == "own" or variant.kind == "paper"
-    chosen = chosen_settings(robot, loop, own, {"law": "auto", "epsilon": epsilon})
+    chosen, _ = chosen_settings(robot, loop, own, {"law": "auto", "epsilon": epsilon})
     f = variant.factor
     assert chosen.G is not None
     assert chosen.Lambda is not None

@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Unpack
 
+import numpy as np
+
 from modrobust.campaign.figures import Record
 from modrobust.campaign.job import Job
 from modrobust.campaign.plan import (
@@ -23,8 +25,9 @@ from modrobust.campaign.summary import counts, plain_rows, verdict, worst_cases
 from modrobust.campaign.workers import processors, run_all
 from modrobust.checks import as_integer
 from modrobust.checks.types import Array
-from modrobust.control import ControllerOptions, RobustController, settings_dict
+from modrobust.control import ControllerOptions, settings_dict
 from modrobust.control.settings import AUTO, DISTURBANCES, checked_loop, checked_settings, loop_dict
+from modrobust.design.points import light_parameters
 from modrobust.kernel import own_environment
 from modrobust.model import ControllerSettings, LoopSettings, Robot, check_robot
 from modrobust.motion import make_trajectory
@@ -156,8 +159,8 @@ def campaign(
     plan = checked_plan(
         *(robot, common, seed, parameters, disturbances, noises, motions, initial_error)
     )
-    settings = chosen_settings(robot, common, plan.motions == ("own",), options)
-    job = Job(robot, settings, common, plan, plant)
+    settings, plain = chosen_settings(robot, common, plan.motions == ("own",), options)
+    job = Job(robot, settings, common, plan, plant, plain)
     found: dict[int, Record] = {}
 
     def done(record: Record) -> None:
@@ -173,17 +176,26 @@ def campaign(
 
 def chosen_settings(
     robot: Robot, loop: LoopSettings, own: bool, options: ControllerOptions
-) -> ControllerSettings:
-    """Settings of the controller, gains included; `own` = for the description's motion alone."""
-    if own:
-        motion = make_trajectory(robot, None)
-        return RobustController(robot, loop=loop, motion=motion, **options).settings
+) -> tuple[ControllerSettings, bool]:
+    """Settings of the controller, gains included, and whether `Job.plain`.
+
+    Args:
+        robot: Robot with ``n`` joints.
+        loop: Common to all runs.
+        own: Whether the gains of ``auto`` are for the description's motion alone.
+        options: As of `RobustController`.
+    """
     settings = checked_settings(robot, options)
     if settings.law != AUTO:
-        return settings
+        return settings, True
     from modrobust.design.gains import design
 
-    return design(robot, loop, epsilon=settings.epsilon).settings
+    motion = make_trajectory(robot, None) if own else None
+    found = design(robot, loop, epsilon=settings.epsilon, motion=motion)
+    # Runs take D_s as it is for any positions; along one motion alone it may have to give way less.
+    light = light_parameters(robot, found.central)
+    same = np.array_equal(light.packed, found.light.packed)
+    return found.settings, bool(own and same)
 
 
 __all__ = ["Campaign", "campaign"]

@@ -34,6 +34,7 @@ class Job:
         loop: Common to all runs.
         plan: What they differ in.
         plant: What moves as the true robot, see `modrobust.simulate`.
+        plain: Whether `modrobust.simulate` has the same controller for the description's motion.
     """
 
     robot: Robot
@@ -41,6 +42,7 @@ class Job:
     loop: LoopSettings
     plan: Plan
     plant: str = BUILTIN
+    plain: bool = False
 
     def record(self, index: int) -> Record:
         """The figures of the run of that number."""

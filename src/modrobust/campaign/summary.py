@@ -39,7 +39,7 @@ def worst_cases(
             if getattr(r, name) is not None and not (r.diverged and name != "violations")
         ]
         value, index = max(known, default=(None, None))
-        unseen = value is None or (name == "violations" and not value)
+        unseen = not value
         rows[name] = {"worst": value, "run": None if unseen or index is None else -index}
     for row in rows.values():
         row["command"] = None if row["run"] is None else command(row["run"])

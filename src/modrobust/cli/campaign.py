@@ -9,17 +9,26 @@ import typer
 
 from modrobust.cli.options import (
     Base,
+    Delay,
+    Disturbance,
+    Drive,
     Gravity,
     Json,
     Lock,
     Mount,
+    Noise,
     Package,
     Payload,
+    Quantisation,
+    Rate,
     RobotFile,
+    Saturation,
     Tip,
     Tolerance,
     Xacro,
+    loop_of,
     robot,
+    start_error,
 )
 from modrobust.cli.simulate_pictures import Plant
 
@@ -61,30 +70,19 @@ def campaign(
         Path | None,
         typer.Option(metavar="OUT.npz", help="With --only: save the run, sampled at 1 ms."),
     ] = None,
-    rate: Annotated[
-        str | None, typer.Option(metavar="HZ", help="Commands a second, e.g. 1kHz. [file's]")
-    ] = None,
-    delay: Annotated[
-        float | None,
-        typer.Option(metavar="PERIODS", help="How late a command acts, 0 to 1. [file's]"),
-    ] = None,
-    noise: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ERRORS",
-            help='Largest errors of what is measured, e.g. "position=1e-4, velocity=1e-2". '
-            "[file's]",
-        ),
-    ] = None,
-    saturation: Annotated[
-        bool | None,
-        typer.Option(
-            "--saturation/--no-saturation", help="Whether the drive cuts torques. [file's]"
-        ),
-    ] = None,
+    rate: Rate = None,
+    delay: Delay = None,
+    noise: Noise = None,
+    quantisation: Quantisation = None,
+    saturation: Saturation = None,
+    disturbance: Disturbance = None,
     law: Annotated[
         Literal["norm", "componentwise", "sampled", "auto"] | None,
-        typer.Option(help="Law of the robust part. [file's]"),
+        typer.Option(help="Control law; auto chooses its gains. [file's]"),
+    ] = None,
+    hold_aware: Annotated[
+        bool | None,
+        typer.Option(help="Laws norm and componentwise: allow for the hold. [file's]"),
     ] = None,
     epsilon: Annotated[
         str | None,
@@ -96,13 +94,18 @@ def campaign(
     ] = None,
     initial_error: Annotated[
         str | None,
-        typer.Option(metavar="ERROR", help="Norm of the error at the start. [default: 5e-3]"),
+        typer.Option(
+            metavar="ERROR",
+            help='Error at the start: its norm, or "JOINT=VALUE, ..." of each, the signs drawn. '
+            "[default: 0.005]",
+        ),
     ] = None,
     plant: Plant = "builtin",
     base: Base = None,
     tip: Tip = None,
     lock: Lock = None,
     tolerance: Tolerance = None,
+    drive: Drive = None,
     payload: Payload = None,
     mount: Mount = None,
     gravity: Gravity = None,
@@ -116,11 +119,13 @@ def campaign(
     """
     from modrobust.campaign import campaign as run
     from modrobust.campaign.plan import INITIAL_ERROR, MOTIONS
-    from modrobust.cli.campaign_loop import laid_over, size
-    from modrobust.cli.campaign_report import print_campaign, print_one, print_start, repeated
+    from modrobust.cli.campaign_report import print_campaign, print_one, print_start
+    from modrobust.cli.campaign_runs import Repeated
     from modrobust.cli.output import ProgressBar, note, print_json
     from modrobust.cli.wording import named_as_options
+    from modrobust.control.settings import DISTURBANCES
     from modrobust.errors import ValueRangeError, visible
+    from modrobust.formats import parse_quantity
     from modrobust.simulation.result import check_writable
 
     if log is not None and only is None:
@@ -129,36 +134,20 @@ def campaign(
         )
     if log is not None:
         check_writable(log)
-    command = repeated(
-        file,
-        {
-            "seed": seed or None,
-            "rate": rate,
-            "delay": delay,
-            "noise": noise,
-            "saturation": saturation,
-            "law": law,
-            "epsilon": epsilon,
-            "motions": motions,
-            "initial-error": initial_error,
-            "plant": None if plant == "builtin" else plant,
-            "base": base,
-            "tip": tip,
-            "lock": lock,
-            "tolerance": tolerance,
-            "payload": payload,
-            "mount": mount,
-            "gravity": gravity,
-            "xacro": xacro,
-            "package": package,
-        },
-    )
-    arm = robot(file, base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
-    loop = laid_over(arm, rate, noise, saturation)
-    start = INITIAL_ERROR if initial_error is None else size(initial_error, "--initial-error")
+    places = (base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
+    arm = robot(file, *places, drive=drive)
+    loop = loop_of(arm, rate, delay, noise, quantisation, saturation)
+    start = start_error(arm, initial_error)
+    radius = None
+    if epsilon is not None:
+        other = ("length",)
+        radius = parse_quantity(
+            epsilon, "angle", field="--epsilon", bounds=False, alternatives=other
+        ).nominal
+    kinds = MOTIONS if motions is None else [kind.strip() for kind in motions.split(",")]
     count = 1 if only is not None else runs
     with (
-        named_as_options("rate", "delay", "epsilon", "plant", "motions"),
+        named_as_options("rate", "epsilon", "plant", "motions", "law", "hold_aware"),
         ProgressBar(f"{count} runs of {visible(arm.name)}") as bar,
     ):
         done = run(
@@ -168,16 +157,45 @@ def campaign(
             seed=seed,
             only=only,
             loop=loop,
-            delay=delay,
-            motions=MOTIONS if motions is None else [kind.strip() for kind in motions.split(",")],
-            initial_error=start,
+            disturbances=tuple(DISTURBANCES) if disturbance is None else (disturbance,),
+            motions=kinds,
+            initial_error=INITIAL_ERROR if start is None else start,
             plant=plant,
             progress=lambda part, whole: bar(part / whole),
             law=law,
-            epsilon=None if epsilon is None else size(epsilon, "--epsilon"),
+            hold_aware=hold_aware,
+            epsilon=radius,
         )
         if log is not None and only is not None:
             done.rerun(only).save(log)
+    shared = {
+        "rate": rate,
+        "delay": delay,
+        "noise": noise,
+        "quantisation": quantisation,
+        "saturation": saturation,
+        "law": law,
+        "hold-aware": hold_aware,
+        "plant": None if plant == "builtin" else plant,
+        "base": base,
+        "tip": tip,
+        "lock": lock,
+        "tolerance": tolerance,
+        "drive": drive,
+        "payload": payload,
+        "mount": mount,
+        "gravity": gravity,
+        "xacro": xacro,
+        "package": package,
+    }
+    own = {
+        "seed": seed or None,
+        "disturbance": disturbance,
+        "epsilon": epsilon,
+        "motions": motions,
+        "initial-error": initial_error,
+    }
+    command = Repeated(file, done.job, shared, own)
     if json:
         print_json(done.summary(command))
     else:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import shlex
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from modrobust.cli.output import number, show, table, words
@@ -12,20 +11,6 @@ if TYPE_CHECKING:
     from modrobust.campaign import Campaign
 
 _UNITS = {"late_error": ", norm"}
-
-
-def repeated(file: str, options: Mapping[str, object]) -> Callable[[int], str]:
-    """What types a run of this campaign again, by its number; options of None are left out."""
-    said = ["modrobust", "campaign", file]
-    for name, value in options.items():
-        if value is None:
-            continue
-        if isinstance(value, bool):
-            said.append(f"--{name}" if value else f"--no-{name}")
-            continue
-        for item in value if isinstance(value, list) else [value]:
-            said += [f"--{name}", str(item)]
-    return lambda index: shlex.join([*said, "--only", str(index)])
 
 
 def print_start(done: Campaign) -> None:
