@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from modrobust.cli import assemble, bench, design, import_timor, modules, schema, simulate
+from modrobust.cli import assemble, bench, campaign, import_timor, modules, schema, simulate
 from modrobust.cli.options import PlainCommand
 
 app = typer.Typer(
@@ -27,6 +28,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 for command in (assemble, simulate, design, bench, modules, schema, import_timor):
+for command in (assemble, simulate, campaign, bench, modules, schema, import_timor):
     app.command(cls=PlainCommand, epilog=command.EXAMPLES)(command.command)
 
 
