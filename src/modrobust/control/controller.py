@@ -89,8 +89,8 @@ class RobustController:
 
     Args:
         robot: Robot with ``n`` joints. Its controller and loop are the defaults of the rest.
-        rate: Commands a second [Hz]; each is held until the next. One that is given and too slow for
-            the gains, by an estimate, is warned of (`RateWarning`).
+        rate: Commands a second [Hz]; each is held until the next. One that is given and too slow
+            for the gains, by an estimate, is warned of (`RateWarning`).
         delay: How late a command acts, in periods, 0 to 1 [1].
         loop: The whole loop, instead of the robot's; rate and delay are laid over it.
         motion: What ``auto`` chooses gains for: a `Trajectory`; None = the robot's own, else any

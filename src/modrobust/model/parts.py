@@ -64,8 +64,8 @@ class LoopSettings:
         noise_position, noise_velocity: Largest error of the measured q and dq, n of each [rad],
             [rad/s] or [m], [m/s]; empty where there is none.
         noise: ``"uniform"`` in that box, or ``"worst"``: always at the end that hides the error.
-        quantisation_position, quantisation_velocity: Steps of the measured q and dq, n of each [rad],
-            [rad/s] or [m], [m/s]; empty where there are none.
+        quantisation_position, quantisation_velocity: Steps of the measured q and dq, n of each
+            [rad], [rad/s] or [m], [m/s]; empty where there are none.
         velocity: ``"measured"``, or ``"differentiated"`` from the measured q.
         filter: Corner of the first-order filter of a differentiated velocity [Hz].
         saturation: Whether the drive cuts torques at the effort limits.
