@@ -27,6 +27,7 @@ from modrobust.model import Parameters, Robot
 BUILTIN = "builtin"
 _SHARE, _PASSES, _SOLUTIONS = 1.0 - 0.5**0.5, 2, 60  # of the implicit step, as in mr_plant.c
 _OUT_OF_RANGE = 1e10  # [rad] or [m], as MuJoCo has it
+_TOO_FAST = 1e100  # [rad/s] or [m/s], before squares overflow
 
 
 class Plant(Protocol):
@@ -68,6 +69,8 @@ class _EnginePlant:
 
     def _free(self, q: Array, dq: Array) -> tuple[Array, Array, Array]:
         """M (n, n) and bias (n,) of the free joints, and the slope of friction along dq, (n,)."""
+        if not ((np.abs(q) < _OUT_OF_RANGE).all() and (np.abs(dq) < _TOO_FAST).all()):
+            raise _kernel.KernelError(_kernel.STATUS_DIVERGED)
         rates = self._G @ dq
         M, bias = self._rigid(self._positions(q), rates)
         return self._G.T @ M @ self._G, self._G.T @ bias, self._slope(dq)
