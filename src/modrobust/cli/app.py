@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from modrobust.cli import assemble, bench, import_timor, modules, schema, simulate
+from modrobust.cli import assemble, bench, design, import_timor, modules, schema, simulate
+from modrobust.cli import assemble, bench, campaign, import_timor, modules, schema, simulate
 from modrobust.cli.options import PlainCommand
 
 app = typer.Typer(
@@ -26,7 +27,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (assemble, simulate, bench, modules, schema, import_timor):
+for command in (assemble, simulate, design, bench, modules, schema, import_timor):
+for command in (assemble, simulate, campaign, bench, modules, schema, import_timor):
     app.command(cls=PlainCommand, epilog=command.EXAMPLES)(command.command)
 
 
