@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -101,7 +102,7 @@ def test_a_box_whose_middle_no_body_has_is_pulled_towards_nominal():
     mass, com = robot.nominal.mass.copy(), robot.nominal.com
     inertia, upper = np.tile(np.eye(3), (robot.b, 1, 1)), np.tile(np.eye(3), (robot.b, 1, 1))
     upper[3, 2, 2] = 10.0
-    points = {
+    points: dict[str, Any] = {
         k: replace(robot.nominal, mass=mass, com=com, inertia=i)
         for k, i in (("lower", inertia), ("nominal", inertia), ("upper", upper))
     }
@@ -170,8 +171,9 @@ def test_a_joint_that_nothing_resists_is_refused_by_name_of_the_robot():
 
 
 def test_what_is_no_robot_is_refused():
+    wrong: Any = "lwa4p"
     with pytest.raises(ValueRangeError, match="expected a Robot, got str"):
-        central_parameters("lwa4p")
+        central_parameters(wrong)
 
 
 @pytest.mark.parametrize("name", ["lwa4p", "gantry", "panda"])

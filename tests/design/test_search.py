@@ -118,9 +118,11 @@ def test_extreme_points_are_bodies_inside_the_box_and_beyond_all_random_ones(nam
         assert (least >= -1e-6 * np.abs(at_com).max()).all()
 
 
-@pytest.mark.parametrize("name", ["lwa4p-paper", "lwa4p", "ur5", "hebi-arm", "gantry"])
-def test_ranges_hold_the_eigenvalues_of_random_robots_to_two_per_cent(name):
-    robot, points = drawn(name, 500)
+@pytest.mark.parametrize(
+    ("name", "count"), [("lwa4p-paper", 500), ("ur5", 500), ("gantry", 500), ("lwa4p", 100)]
+)
+def test_ranges_hold_the_eigenvalues_of_random_robots_to_two_per_cent(name, count):
+    robot, points = drawn(name, count)
     q = configurations(robot, 6)
     centre = central_parameters(robot)
     light = light_parameters(robot, centre)
@@ -143,7 +145,7 @@ def test_ranges_reach_as_far_as_the_corners_of_the_box(name):
     centre = central_parameters(robot)
     light = light_parameters(robot, centre)
     least, most = spectra(robot, centre, light, q).light
-    points = [robot.physical_corner("corner", k)[0] for k in range(30)]
+    points = [robot.physical_corner("corner", k)[0] for k in range(16)]
     points += [robot.physical_corner(end)[0] for end in ("lower", "upper")]
     for x in q:
         L = np.linalg.inv(np.linalg.cholesky(mr.mass_matrix(robot, x, light)))
