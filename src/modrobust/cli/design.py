@@ -36,9 +36,9 @@ Examples:
 
 \b
 The numbers are those that the law auto takes. They are estimates, found by
-searching the box and the motion, not proved. --margin runs the loop with gains
-raised up to 4 times. The exit code is 1 where epsilon cannot be met, or where a
-run fails at the gains themselves.
+searching the box and the motion, not proved. --margin runs the loop with
+gains raised up to 4 times. The exit code is 1 where epsilon cannot be met,
+or where a run fails at the gains themselves.
 """
 
 
