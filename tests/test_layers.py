@@ -32,6 +32,7 @@ ORDER = (
     "design",
     "control",
     "simulation",
+    "campaign",
     "pictures",
     "bench",
     "",  # the facade, modrobust/__init__.py

@@ -28,6 +28,7 @@ robot: arm
 modules: .
 chain: [link]
 controller: {K_r: 10, kappa_P: 0.5, kappa_I: 10, phi_P: 200, phi_I: 1000, epsilon: 0.01 rad}
+loop: {rate: 50 kHz}
 """
 
 

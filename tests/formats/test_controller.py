@@ -9,7 +9,6 @@ import pytest
 from modrobust.assembly.settings import controller_settings
 from modrobust.errors import DescriptionError, SeveralFaultsError
 from modrobust.formats import load_assembly
-from modrobust.formats.controller import WITHOUT_GAINS
 from modrobust.model import ControllerSettings
 from support.formats.format_samples import ASSEMBLY
 
@@ -36,9 +35,11 @@ def test_the_bare_word_auto_is_the_law_auto_with_its_epsilon():
     assert (load("auto").law, load("auto").epsilon) == ("auto", 0.01)
 
 
-@pytest.mark.parametrize("text", [None, "{}", "{epsilon: 0.02}", "{bound: ianea}"])
-def test_where_no_gains_are_written_the_law_is_that_without_gains(text):
-    assert load(text).law == WITHOUT_GAINS
+@pytest.mark.parametrize(
+    "text", [None, "{}", "{epsilon: 0.02}", "{bound: ianea}", "{integral: off}"]
+)
+def test_where_no_gains_are_written_the_law_is_auto(text):
+    assert load(text).law == "auto"
 
 
 @pytest.mark.parametrize(

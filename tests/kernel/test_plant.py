@@ -189,13 +189,13 @@ GAIN, K_R = 3.0, 10.0
 
 
 def proportional(robot: Robot, **loop: Any) -> mr.RobustController:
-    """v = GAIN r, with nothing that grows."""
+    """V = GAIN r, with nothing that grows."""
     options: dict[str, Any] = {"kappa_P": 0.0, "kappa_I": 0.0, "phi_I": 0.0, "phi_P": GAIN}
     return mr.RobustController(robot, loop=LoopSettings(**loop), law="norm", K_r=K_R, **options)
 
 
 def measured(robot: Robot, log: dict[str, Any]) -> tuple[Any, Any]:
-    """q and dq that the controller has seen, from its torques; the motion is at rest at 0."""
+    """Q and dq that the controller has seen, from its torques; the motion is at rest at 0."""
     M = mr.mass_matrix(robot, np.zeros(robot.n))
     dq = -np.linalg.solve(M, log["nominal"].T).T / K_R  # nominal = M K_r (0 - dq)
     r = (log["tau"] - log["nominal"]) / GAIN  # (0 - dq) + K_r (0 - q)
@@ -343,7 +343,7 @@ def test_a_differentiated_velocity_is_the_filtered_slope_of_the_measured_positio
 
 
 def disturbances(kind: str, ticks: int, **settings: Any) -> tuple[Robot, Any, Recorder]:
-    """d at each step, of a robot that stands still off the motion."""
+    """D at each step, of a robot that stands still off the motion."""
     robot = slides()
     plant = Recorder(n=2)
     loop = make_loop(proportional(robot, disturbance=kind), d=[0.4, -0.3], plant=plant, **settings)
