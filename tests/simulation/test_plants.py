@@ -109,7 +109,10 @@ def test_everything_that_is_logged_agrees_and_the_figures_over_all_ticks_too(
 
 def test_the_paper_s_robot_moves_alike_at_50_khz() -> None:
     robot = mr.load_robot("lwa4p-paper")
-    ran = {p: simulate(robot, scenario="2", plant=p, duration=0.1, rate=50e3, law="norm") for p in PLANTS}
+    ran = {
+        p: simulate(robot, scenario="2", plant=p, duration=0.1, rate=50e3, law="norm")
+        for p in PLANTS
+    }
     for plant in ENGINES:
         assert apart(ran["builtin"], ran[plant]) < 1e-10
         assert ran[plant].summary()["violations"] == 0
@@ -202,7 +205,10 @@ def test_an_implicit_step_of_an_engine_is_that_of_our_own_plant(plant: str, shap
         robot,
         effort_limits=np.zeros(robot.n),
         coulomb_speed=np.full(robot.j, 1e-4),
-        **{name: replace(getattr(robot, name), **friction) for name in ("nominal", "lower", "upper")},
+        **{
+            name: replace(getattr(robot, name), **friction)
+            for name in ("nominal", "lower", "upper")
+        },
     )
     d, q, dq = 3.0 * rng.normal(size=robot.n), *rng.normal(size=(2, robot.n))
     moving = make_plant(plant, robot, robot.nominal, implicit=True)

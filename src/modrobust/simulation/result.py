@@ -189,7 +189,9 @@ class SimulationResult:
         """
         if len(self.t) == 0:
             return np.zeros(0)
-        robot = replace(self.robot, loop=self.loop)  # given as such, a slow rate would be told twice
+        robot = replace(
+            self.robot, loop=self.loop
+        )  # given as such, a slow rate would be told twice
         controller = RobustController(robot, **vars(self.controller))
         inputs = (self.q, self.dq, self.q_des, self.dq_des, self.ddq_des)
         try:
