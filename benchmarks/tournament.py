@@ -183,8 +183,7 @@ def measure(row: str, variant: Variant, name: str, draws: int | None) -> list[di
     begin = time.perf_counter()
     if variant.kind == "campaign":
         records: list[Record] = []
-        if run_all(job_of(name, variant), range(len(found), count), 1, records.append):
-            raise KeyboardInterrupt
+        run_all(job_of(name, variant), range(len(found), count), 1, records.append)
         found += [asdict(record) for record in records]
     elif variant.kind == "rest":
         found = [at_rest(name, variant, k) for k in range(count)]

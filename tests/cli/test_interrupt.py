@@ -137,3 +137,13 @@ def test_a_quick_run_and_a_pipe_have_no_progress_bar(
     else:
         shown = run("simulate", "lwa4p-paper", "--duration", "3s").stderr
     assert shown == ""
+
+
+def test_an_interrupted_campaign_shows_the_runs_that_were_done(tmp_path: Path) -> None:
+    options = ("--law", "auto", "--rate", "500Hz", "--motions", "short", "--runs", "5000")
+    code, out, shown = interrupted(tmp_path, "campaign", "scara", *options, "--json")
+    figures = json.loads(out)
+    assert (code, figures["interrupted"], figures["ok"]) == (130, True, False)
+    assert 0 < figures["runs"] < figures["wanted"] == 5000
+    assert f"interrupted after {figures['runs']} of 5000 runs" in shown
+    assert figures["verdict"].startswith(f"tried, not proved: {figures['runs']} of 5000 runs done")

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from modrobust.design.scalar import Timing, compliance, matrices, stable_gain
+from modrobust.design.scalar import MARGIN, Timing, compliance, matrices, stable_gain
 from modrobust.design.spectra import Spectra
 
 ONE = Spectra((1.0, 1.0), (1.0, 1.0), 1.0)
@@ -48,12 +48,12 @@ def played(G, pi, xi, T, D, ticks, L_i=0.0, corner=None, b=0.0):
 def test_without_delay_the_loop_is_stable_at_nearly_twice_the_gain_and_not_above(rate, pi_2):
     timing = Timing(1.0 / rate, 0.0)
     G = stable_gain(Spectra((0.5, pi_2), (0.5, pi_2), 0.5), timing)
-    assert pytest.approx(0.664 * rate / max(pi_2, 1.0)) == G
+    assert pytest.approx(1.328 / MARGIN * rate / max(pi_2, 1.0)) == G
     heaviest = max(pi_2, 1.0)
-    assert radius(1.9 * G, heaviest, 1.0, timing) < 1.0
-    assert radius(2.1 * G, heaviest, 1.0, timing) > 1.0
-    decayed = played(1.9 * G, heaviest, 1.0, 1.0 / rate, 0.0, 400)
-    grown = played(2.1 * G, heaviest, 1.0, 1.0 / rate, 0.0, 400)
+    assert radius(0.95 * MARGIN * G, heaviest, 1.0, timing) < 1.0
+    assert radius(1.05 * MARGIN * G, heaviest, 1.0, timing) > 1.0
+    decayed = played(0.95 * MARGIN * G, heaviest, 1.0, 1.0 / rate, 0.0, 400)
+    grown = played(1.05 * MARGIN * G, heaviest, 1.0, 1.0 / rate, 0.0, 400)
     assert np.abs(decayed[-50:]).max() < 1e-3 * 0.01
     assert np.abs(grown[-50:]).max() > 0.01
 
@@ -73,8 +73,8 @@ def test_twice_the_gain_is_the_border_for_the_worst_mode(spectra, delay, corner)
         if least <= xi * c <= most
     ]
     assert modes
-    assert max(radius(1.9 * G, pi, xi, timing) for pi, xi in modes) < 1.0
-    assert max(radius(2.15 * G, pi, xi, timing) for pi, xi in modes) > 1.0
+    assert max(radius(0.95 * MARGIN * G, pi, xi, timing) for pi, xi in modes) < 1.0
+    assert max(radius(1.08 * MARGIN * G, pi, xi, timing) for pi, xi in modes) > 1.0
 
 
 @pytest.mark.parametrize(("delay", "corner"), [(0.0, None), (0.3, None), (1.0, None), (1.0, 80.0)])

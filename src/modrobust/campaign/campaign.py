@@ -168,9 +168,13 @@ def campaign(
         if progress is not None:
             progress(len(found), len(wanted))
 
-    if progress is not None:
-        progress(0, len(wanted))
-    interrupted = run_all(job, wanted, processes, done)
+    interrupted = False
+    try:
+        if progress is not None:
+            progress(0, len(wanted))
+        run_all(job, wanted, processes, done)
+    except KeyboardInterrupt:
+        interrupted = True
     return Campaign(job, wanted, tuple(found[k] for k in sorted(found)), interrupted)
 
 

@@ -17,7 +17,6 @@ from modrobust.simulation.metrics import plain
 LARGEST_ERROR = 0.3  # [rad] or [m], late error of a good run
 MOST_AT_LIMIT = 0.05  # of the late ticks, of a good run
 _SETTLED = 6  # first logged ticks, which the largest v is not looked for in
-_NO_LIMIT = 100.0  # [N m] or [N], what v is compared with where a joint has no limit
 _STILL = 1e-3  # of the largest torque: less variation at 10 Hz counts as so much
 _SLOW = 0.1  # [s], sampling at 10 Hz
 
@@ -43,7 +42,8 @@ class Record:
         step_over_limit: Mean late change of a torque from tick to tick over its limit, largest
             joint [1].
 
-    Figures of a run that diverged are those up to there.
+    Figures of a run that diverged are those up to there. What is over a limit is 0 of a joint that
+    has none.
     """
 
     run: Run
@@ -99,10 +99,7 @@ def figures(run: Run, result: SimulationResult, late: float, feasible: bool) -> 
     at_limit = (np.abs(tau) >= limit * (1.0 - 1e-12)).any(axis=1)
     variation, steps = _variation(result, first)
     size = np.abs(tau).max(axis=0, initial=0.0)
-    scale = np.where(np.isfinite(limit), limit, size + 1e-12)
-    v = np.abs(result.tau - result.nominal)[_SETTLED:] / np.where(
-        np.isfinite(limit), limit, _NO_LIMIT
-    )
+    v = np.abs(result.tau - result.nominal)[_SETTLED:] / limit
     ended = result.diverged or not len(tau)
     return Record(
         run=run,
@@ -116,7 +113,7 @@ def figures(run: Run, result: SimulationResult, late: float, feasible: bool) -> 
         late_at_limit=float(at_limit.mean()) if len(tau) else 0.0,
         variation_ratio=_variation_ratio(result, first, variation, size),
         v_over_limit=float(v.max(initial=0.0)),
-        step_over_limit=float((variation / scale).max() / steps) if steps else 0.0,
+        step_over_limit=float((variation / limit).max() / steps) if steps else 0.0,
     )
 
 

@@ -36,8 +36,8 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
-def run_all(job: Job, indices: Sequence[int], jobs: int, done: Done) -> bool:
-    """Do the runs; True where Ctrl-C ended them early.
+def run_all(job: Job, indices: Sequence[int], jobs: int, done: Done) -> None:
+    """Do the runs; Ctrl-C ends them early, once what was done is handed over.
 
     Args:
         job: What all of them share.
@@ -47,16 +47,13 @@ def run_all(job: Job, indices: Sequence[int], jobs: int, done: Done) -> bool:
 
     Raises:
         ModrobustError: A run was refused, or its process ended twice.
+        KeyboardInterrupt: By Ctrl-C.
     """
-    try:
-        if min(jobs, len(indices)) <= 1:
-            for index in indices:
-                done(job.record(index))
-        else:
-            _share(job, indices, min(jobs, len(indices)), done)
-    except KeyboardInterrupt:
-        return True
-    return False
+    if min(jobs, len(indices)) > 1:
+        _share(job, indices, min(jobs, len(indices)), done)
+        return
+    for index in indices:
+        done(job.record(index))
 
 
 def _share(job: Job, indices: Sequence[int], jobs: int, done: Done) -> None:

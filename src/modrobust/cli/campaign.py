@@ -161,7 +161,7 @@ def campaign(
             motions=kinds,
             initial_error=INITIAL_ERROR if start is None else start,
             plant=plant,
-            progress=lambda part, whole: bar(part / whole),
+            progress=lambda part, whole: bar(part / whole) if part else bar.restart(),
             law=law,
             hold_aware=hold_aware,
             epsilon=radius,

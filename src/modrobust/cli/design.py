@@ -30,14 +30,15 @@ from modrobust.cli.options import (
 EXAMPLES = """\b
 Examples:
   modrobust design lwa4p --rate 1kHz --delay 1
-  modrobust design panda --noise "position=1e-4, velocity=1e-2" --epsilon 0.005
-  modrobust design ur5.urdf --tolerance "mass=5%,com=5mm,inertia=10%" --trajectory any
+  modrobust design panda --noise "position=1e-4" --epsilon 0.005
+  modrobust design ur5.urdf --tolerance "mass=5%,com=5mm" --trajectory any
   modrobust design my-robot.yaml --margin
 
 \b
-The numbers are those that the law auto takes. They are estimates: found by searching the box
-and the motion, not proved. --margin runs the loop with gains raised up to 4 times.
-The exit code is 1 where epsilon cannot be met, or where --margin finds a run that fails.
+The numbers are those that the law auto takes. They are estimates, found by
+searching the box and the motion, not proved. --margin runs the loop with
+gains raised up to 4 times. The exit code is 1 where epsilon cannot be met,
+or where a run fails at the gains themselves.
 """
 
 
@@ -77,7 +78,7 @@ def design(
     package: Package = None,
     json: Json = False,
 ) -> None:
-    """Choose gains for a robot's box and the loop it runs in, and say why.
+    """Choose gains for a robot and its loop, and say why.
 
     What bounds each gain, the error to expect by cause, and where epsilon cannot be met what would
     help most.
