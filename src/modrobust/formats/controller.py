@@ -220,9 +220,11 @@ def _number(
         return None
     value = parse_point(node, dimension, field)
     if least == "above" and value <= 0:
-        raise node.where.error(field, f"{value:g} is not positive; it must be above 0; correct it")
+        raise node.where.error(
+            field, f"{value:g} is not positive; it must be above 0; write a positive number"
+        )
     if value < 0:
-        raise node.where.error(field, f"{value:g} is negative; it is at least 0; correct it")
+        raise node.where.error(field, f"{value:g} is negative; it is at least 0; write 0 or more")
     return value
 
 
