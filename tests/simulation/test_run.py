@@ -458,7 +458,7 @@ def test_a_log_that_cannot_be_written_is_refused_and_nothing_is_left(
             ValueRangeError,
             'trajectory: joint "link2.axis" is at',
         ),
-        ({"epsilon": -1.0}, ValueRangeError, "epsilon: -1; must be finite and not negative"),
+        ({"epsilon": -1.0}, ValueRangeError, "epsilon: -1; must be positive"),
     ],
 )
 def test_a_wrong_argument_is_refused_before_anything_runs(
