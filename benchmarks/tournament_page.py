@@ -11,6 +11,7 @@ import datetime
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -225,6 +226,11 @@ def paper_lines() -> list[Line]:
     return lines
 
 
+def is_of(variant: Variant, delay: float, law: str) -> bool:
+    """Whether a variant has this delay and law."""
+    return variant.delay == delay and variant.law == law
+
+
 def law_rows() -> list[list[str]]:
     """Other laws beside the automatic one, with the files' old gains."""
     rows = []
@@ -232,7 +238,7 @@ def law_rows() -> list[list[str]]:
         loop = f"delay {delay:g}, {'noise' if noise else 'no noise'}"
         parts = {"sampled (auto)": records("own" if noise else "plain")}
         for law in LAWS:
-            parts[law] = records("laws", lambda v, d=delay, law=law: v.delay == d and v.law == law)
+            parts[law] = records("laws", partial(is_of, delay=delay, law=law))
         for law, by_robot in parts.items():
             found = flat(by_robot)
             if not found:

@@ -42,11 +42,12 @@ def test_another_seed_shuffles_the_kinds_otherwise() -> None:
 
 
 def test_a_loop_without_noise_has_no_kind_of_it() -> None:
+    plan: Any = checked_plan
     robot = mr.load_robot("scara")
-    quiet = checked_plan(robot, LoopSettings(), 0, *_KINDS, 0.005)
+    quiet = plan(robot, LoopSettings(), 0, *_KINDS, 0.005)
     noisy = LoopSettings(noise_position=(1e-4,) * robot.n)
     assert quiet.noises == ("none",)
-    assert checked_plan(robot, noisy, 0, *_KINDS, 0.005).noises == NOISES
+    assert plan(robot, noisy, 0, *_KINDS, 0.005).noises == NOISES
     assert quiet.run(0).loop(LoopSettings(rate=500.0)).rate == 500.0
 
 

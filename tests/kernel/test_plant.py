@@ -89,7 +89,7 @@ def smooth_law(drive: float, speed: float, span: float) -> Any:
     return found.y[:, -1]
 
 
-def stiff_loop(drive: float, speed: float, step: float) -> _kernel.Loop:
+def stiff_loop(drive: float, speed: float, step: float) -> Any:
     robot, point = light_link()
     substeps = round(DT / step)
     given = (unactuated(robot), point, [drive], [0.0], [speed])

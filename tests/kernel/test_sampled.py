@@ -70,8 +70,9 @@ def signals(robot: Robot, seed: int) -> Iterator[tuple[float, tuple[Any, ...]]]:
 
 
 def quintic(x: float, blend: float) -> Any:
-    """Rows: position, velocity and acceleration of the polynomials that go from 1, 0, 0 and from
-    0, 1, 0 to rest at 0 in the time `blend`, by the six conditions at their ends; at time x.
+    """Position, velocity and acceleration at x of two polynomials to rest at 0, rows; ``(3, 2)``.
+
+    They go from 1, 0, 0 and from 0, 1, 0 in the time `blend`, by the six conditions at their ends.
     """
     if not x < blend:
         return np.zeros((3, 2))
@@ -135,8 +136,9 @@ class WrittenOut:
         given = (q_des + s * dq_des + s**2 / 2.0 * ddq_des, dq_des + s * ddq_des, ddq_des)
         q1, dq1, ddq1 = (x + y for x, y in zip(given, way, strict=True))
         self.primed = (q1, dq1, dq1, ddq1)
-        nominal = mr.inverse_dynamics(robot, *self.primed, self.centre)
-        lo, hi = mr.inverse_dynamics_bounds(robot, *self.primed, self.bound)
+        q1, dq1, dq1_a, ddq1 = self.primed
+        nominal = mr.inverse_dynamics(robot, q1, dq1, dq1_a, ddq1, self.centre)
+        lo, hi = mr.inverse_dynamics_bounds(robot, q1, dq1, dq1_a, ddq1, self.bound)
         phi = lo - nominal - robot.disturbance.hi, hi - nominal - robot.disturbance.lo
         M_s = mr.mass_matrix(robot, q1, self.light)
         r = de + self.Lambda * e
@@ -217,7 +219,7 @@ def test_the_way_from_the_start_begins_in_the_state_and_ends_on_the_motion(kind:
     np.testing.assert_array_equal(first.v, 0.0)
     for t, given in ticks:
         written.command(t, *given)
-        q_des, dq_des, ddq_des = given[2:]
+        *_, ddq_des = given
         if t + 0.8 * T >= OPTIONS["blend"]:
             np.testing.assert_array_equal(written.primed[3], ddq_des)
     assert t > OPTIONS["blend"]
@@ -248,7 +250,8 @@ def test_the_set_holds_every_perturbation_and_sigma_never_leaves_it(kind: str, b
         assert (command.phi_lo <= sigma).all()
         assert (sigma <= command.phi_hi).all()
         for point in points[k::10]:
-            tau = mr.inverse_dynamics(robot, *written.primed, point)
+            q1, dq1, dq1_a, ddq1 = written.primed
+            tau = mr.inverse_dynamics(robot, q1, dq1, dq1_a, ddq1, point)
             ends = np.where(rng.integers(0, 2, robot.n) == 1, d.lo, d.hi)
             w = tau - ends - command.nominal
             rounding = 1e-13 * (np.abs(tau) + np.abs(command.nominal)).max()
@@ -400,7 +403,7 @@ def test_componentwise_takes_each_joint_s_own_bound() -> None:
 @pytest.mark.parametrize("ceilings", [{}, {"kappa_max": 2.6}, {"kappa_max": 2.6, "phi_max": 1.9}])
 @pytest.mark.parametrize("leak", [0.0, 5.0, 900.0])
 def test_kappa_and_phi_rest_at_their_ceilings_and_decay(
-    leak: float, ceilings: dict[str, float], law: str
+    leak: float, ceilings: dict[str, Any], law: str
 ) -> None:
     """The integral I of f(|e|) loses `leak` I dt a tick; all of it where that is more than I."""
     robot = ROBOTS["revolute"]

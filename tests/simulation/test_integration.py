@@ -108,7 +108,7 @@ def test_given_steps_are_taken_as_they_are() -> None:
     stiff = with_friction(robot_of("no rotors"), 10.0)
     assert chosen(stiff, 1e-3, 7) == Steps(7, False)
     for wrong in (0, -1, 10**6 + 1):
-        with pytest.raises(ValueRangeError, match="^substeps"):
+        with pytest.raises(ValueRangeError, match=r"^substeps"):
             chosen(stiff, 1e-3, wrong)
 
 
@@ -124,7 +124,9 @@ def test_the_chosen_steps_let_a_robot_without_torques_come_to_rest(kind: str, ra
     controller = mr.RobustController(replace(robot, loop=LoopSettings(rate=rate)), law="norm")
     loop = make_loop(
         *(controller, robot.nominal, None, q, dq),
-        **{"substeps": steps.count, "implicit": steps.implicit, "saturation": 1},
+        substeps=steps.count,
+        implicit=steps.implicit,
+        saturation=1,
     )
     count = round(0.3 * rate)
     log = loop.advance(*[np.zeros((count, robot.n))] * 3, max(1, count // 100))

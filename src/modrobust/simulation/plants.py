@@ -128,8 +128,9 @@ class _EnginePlant:
             friction = 0.5 * self._viscous @ (rates * rates) + self._coulomb @ root
             return float(x @ (0.5 * M @ x - fixed) + g * friction)
 
-        e_safe = energy(safe)
-        return np.asarray(fast if energy(fast) <= e_safe + 2.0**-50 * abs(e_safe) else safe)
+        e_safe = energy(np.asarray(safe))
+        better = energy(np.asarray(fast)) <= e_safe + 2.0**-50 * abs(e_safe)
+        return np.asarray(fast if better else safe)
 
 
 class MujocoPlant(_EnginePlant):
