@@ -110,7 +110,7 @@ Saturation = Annotated[
 ]
 Disturbance = Annotated[
     Literal["constant", "sine", "random", "worst"] | None,
-    typer.Option(help="Its course inside its bounds. [file's, else constant]"),
+    typer.Option(help="Course inside its bounds. [file's, else constant]"),
 ]
 
 
