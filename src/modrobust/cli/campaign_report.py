@@ -21,8 +21,9 @@ def print_start(done: Campaign) -> None:
     gains = f", G = {settings.G:g}/s" if settings.G is not None else ""
     engine = "" if job.plant == "builtin" else f", plant {job.plant}"
     noisy = "no noise" if job.plan.noises == ("none",) else "noise"
+    count = len(done.records)
     show(
-        f"{job.robot.name}: {len(done.records)} runs at {rate}, delay {loop.delay:g}, {noisy}; law "
+        f"{job.robot.name}: {count} run{'s' * (count != 1)} at {rate}, delay {loop.delay:g}, {noisy}; law "
         f"{settings.law}{gains}{engine}",
         style="bold",
     )
