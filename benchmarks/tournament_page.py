@@ -11,6 +11,7 @@ import datetime
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -232,7 +233,7 @@ def law_rows() -> list[list[str]]:
         loop = f"delay {delay:g}, {'noise' if noise else 'no noise'}"
         parts = {"sampled (auto)": records("own" if noise else "plain")}
         for law in LAWS:
-            parts[law] = records("laws", lambda v, d=delay, law=law: v.delay == d and v.law == law)
+            parts[law] = records("laws", partial(_is, delay=delay, law=law))
         for law, by_robot in parts.items():
             found = flat(by_robot)
             if not found:
@@ -248,6 +249,10 @@ def law_rows() -> list[list[str]]:
                 ]
             )
     return rows
+
+
+def _is(variant: Variant, delay: float, law: str) -> bool:
+    return variant.delay == delay and variant.law == law
 
 
 def robot_rows() -> list[list[str]]:
