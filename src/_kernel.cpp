@@ -677,6 +677,7 @@ class Loop {
         const mr_parameters view = mr_parameters_view(&model.c, parameters.data());
         int32_t logged = 0;
         c.context = this;
+        const Kept kept_before = keep();
         {
             nb::gil_scoped_release release;
             status = mr_loop_advance(&model.c, &controller.bounds.c, &controller.gains, &view,
@@ -687,6 +688,7 @@ class Loop {
         if (failure) {
             const std::exception_ptr raised = failure;
             failure = nullptr;
+            go_back(kept_before);
             std::rethrow_exception(raised);
         }
         const size_t kept = static_cast<size_t>(logged);
@@ -700,8 +702,37 @@ class Loop {
         return out;
     }
 
-    // One step of a robot in Python: step(q, dq, drive, h) gives q and dq after it. What it raises
-    // ends the loop and is raised by `advance`.
+    // What an advance may change; nothing where the robot is our own, which raises nothing.
+    struct Kept {
+        mr_loop loop;
+        mr_status status;
+        mr_controller_state controller;
+        std::vector<Doubles> arrays;
+    };
+
+    std::vector<Doubles *> changing() {
+        return {&q,          &dq,   &tau_previous, &tau_max, &total_variation, &ticks_at_limit,
+                &previous_q, &rate, &state.memory};
+    }
+
+    Kept keep() {
+        Kept kept{c, status, state.c, {}};
+        if (!plant.is_none())
+            for (const Doubles *array : changing()) kept.arrays.push_back(*array);
+        return kept;
+    }
+
+    void go_back(const Kept &kept) {
+        c = kept.loop;
+        status = kept.status;
+        state.c = kept.controller;
+        const auto arrays = changing();
+        for (size_t k = 0; k < arrays.size(); ++k) // in place: pointers to them stay
+            std::copy(kept.arrays[k].begin(), kept.arrays[k].end(), arrays[k]->begin());
+    }
+
+    // One step of a robot in Python: step(q, dq, drive, h) gives q and dq after it. KernelError is
+    // its status; anything else that it raises is raised by `advance`, with the loop as it was.
     static mr_status move(void *context, double h, const double *drive, double *q, double *dq) {
         Loop &loop = *static_cast<Loop *>(context);
         const size_t n = loop.model.n();
@@ -716,6 +747,9 @@ class Loop {
             loop.model.require_joints(after.second, "dq");
             std::copy(after.first.data(), after.first.data() + n, q);
             std::copy(after.second.data(), after.second.data() + n, dq);
+        } catch (const nb::python_error &problem) {
+            if (!problem.matches(kernel_status_type)) loop.failure = std::current_exception();
+            return MR_DIVERGED;
         } catch (...) {
             loop.failure = std::current_exception();
             return MR_DIVERGED;

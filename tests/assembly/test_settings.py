@@ -41,4 +41,5 @@ def test_a_robot_has_the_controller_of_its_description():
         *("sampled", 40.0, 20.0),
         False,
     )
-    assert build_robot("two", CHAIN, controller="auto").controller.law == "auto"
+    for controller in (None, "auto", {"epsilon": 0.01}):
+        assert build_robot("two", CHAIN, controller=controller).controller.law == "auto"

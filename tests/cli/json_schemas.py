@@ -126,11 +126,53 @@ DIVERGENCE = record(
         "kind": optional(exactly("revolute", "continuous", "prismatic")),
         "hold": SIZE,
         **dict.fromkeys(("t", "gain", "inertia", "share", "rate"), optional(SIZE)),
-        "drive": FLAG,
-        "bound": exactly("hull", "ianea"),
+        "law": exactly("norm", "componentwise", "sampled"),
         "cause": TEXT,
-        "remedies": array(TEXT, 1),
+        "remedy": TEXT,
     }
+)
+
+LOOP = record(
+    {
+        **dict.fromkeys(("rate", "delay", "filter", "frequency"), SIZE),
+        **dict.fromkeys(("noise_position", "noise_velocity"), array(SIZE)),
+        **dict.fromkeys(("quantisation_position", "quantisation_velocity"), array(SIZE)),
+        "noise": exactly("uniform", "worst"),
+        "velocity": exactly("measured", "differentiated"),
+        "saturation": FLAG,
+        "disturbance": exactly("constant", "sine", "random", "worst"),
+    }
+)
+
+DESIGN = record(
+    {
+        "robot": TEXT,
+        "motion": TEXT,
+        "loop": LOOP,
+        "gains": record(
+            {
+                "law": exactly("sampled"),
+                **dict.fromkeys(("G", "Lambda", "L_i", "blend", "epsilon"), SIZE),
+            }
+        ),
+        "bounds": record(
+            {
+                "G_stab": SIZE,
+                "G_noise": optional(SIZE),
+                "G_eps": SIZE,
+                "binding": exactly("stability", "noise", "epsilon", "floor"),
+            }
+        ),
+        "reachable": FLAG,
+        "epsilon_reached": SIZE,
+        "spectra": record({"pi": array(SIZE, 2), "c": array(SIZE, 2), "xi": SIZE}),
+        "need": record(dict.fromkeys(("parameters", "friction", "disturbance", "total"), SIZE)),
+        "expected": {"type": "object", "additionalProperties": SIZE},
+        "error": SIZE,
+        "remarks": array(TEXT),
+        "helps": array(record({"change": TEXT, "epsilon": SIZE, "G": SIZE})),
+    },
+    absent=("helps",),
 )
 
 SETTINGS = record(
@@ -160,17 +202,10 @@ SETTINGS = record(
         "motion_time": optional(SIZE),
         "motion_remarks": array(TEXT),
         "duration": SIZE,
-        "loop": record(
-            {
-                **dict.fromkeys(("rate", "delay", "filter", "frequency"), SIZE),
-                **dict.fromkeys(("noise_position", "noise_velocity"), array(SIZE)),
-                **dict.fromkeys(("quantisation_position", "quantisation_velocity"), array(SIZE)),
-                "noise": exactly("uniform", "worst"),
-                "velocity": exactly("measured", "differentiated"),
-                "saturation": FLAG,
-                "disturbance": exactly("constant", "sine", "random", "worst"),
-            }
-        ),
+        "loop": LOOP,
+        "rate_needed": optional(SIZE),
+        "rate_warning": optional(TEXT),
+        "design": optional(DESIGN),
         "substeps": COUNT,
         "integrator": TEXT,
         "plant": exactly("builtin", "mujoco", "pinocchio"),
@@ -199,7 +234,9 @@ SIMULATE = record(
         "rho_max": optional(SIZE),
         **dict.fromkeys(("width_hull", "width_ianea", "ianea_over_hull"), array(optional(SIZE))),
         "chattering": optional(array(optional(SIZE))),
-        "chattering_limit": SIZE,
+        "chattering_limit": optional(SIZE),
+        "limited": COUNT,
+        "ticks_at_limit": optional(array(SIZE)),
         "command_time": TIMES,
         "ticks": COUNT,
         "time": SIZE,
@@ -231,6 +268,7 @@ BENCH = record(
                             }
                         )
                     ),
+                    "laws": {"type": "object", "additionalProperties": TIMES},
                     "tightness": array(
                         record(
                             {

@@ -51,6 +51,7 @@ def test_simulate_answers_1_when_epsilon_is_not_reached_and_says_so(run, tmp_pat
     (tmp_path / "still.csv").write_text("0,0\n0.02,0\n")
     (tmp_path / "far.yaml").write_text(
         "modrobust: 1\nrobot: far\nchain: [lwa4p-paper-link-1]\n"
+        "controller: {law: norm}\nloop: {rate: 50 kHz}\n"
         "trajectory: {kind: csv, file: still.csv}\ninitial: {q: 0.1, dq: 0}\n"
     )
     result = run("simulate", "far.yaml")

@@ -10,7 +10,7 @@ import pytest
 
 from modrobust.cli import main
 
-COMMANDS = ["assemble", "simulate", "bench", "modules", "schema", "import-timor"]
+COMMANDS = ["assemble", "simulate", "design", "bench", "modules", "schema", "import-timor"]
 
 
 def test_help_names_every_command_and_gives_examples(run) -> None:

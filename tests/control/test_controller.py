@@ -156,6 +156,7 @@ def test_settings_default_to_the_robots_and_keywords_override_them(robot: Robot)
         (
             {"law": ["norm"]},
             ValueRangeError,
+            "law: no law \"['norm']\"; "
             'did you mean "norm"? known: norm, componentwise, sampled, auto',
         ),
         ({"bound": "exact"}, ValueRangeError, 'bound: no bound "exact"; known: hull, ianea'),

@@ -9,7 +9,6 @@ import pytest
 from modrobust.assembly.settings import controller_settings
 from modrobust.errors import DescriptionError, SeveralFaultsError
 from modrobust.formats import load_assembly
-from modrobust.formats.controller import WITHOUT_GAINS
 from modrobust.model import ControllerSettings
 from support.formats.format_samples import ASSEMBLY
 
@@ -36,9 +35,11 @@ def test_the_bare_word_auto_is_the_law_auto_with_its_epsilon():
     assert (load("auto").law, load("auto").epsilon) == ("auto", 0.01)
 
 
-@pytest.mark.parametrize("text", [None, "{}", "{epsilon: 0.02}", "{bound: ianea}"])
-def test_where_no_gains_are_written_the_law_is_that_without_gains(text):
-    assert load(text).law == WITHOUT_GAINS
+@pytest.mark.parametrize(
+    "text", [None, "{}", "{epsilon: 0.02}", "{bound: ianea}", "{integral: off}"]
+)
+def test_where_no_gains_are_written_the_law_is_auto(text):
+    assert load(text).law == "auto"
 
 
 @pytest.mark.parametrize(
@@ -136,23 +137,29 @@ def test_parts_of_sampled_can_be_left_out_of_the_law_auto():
             "add G, or write law: auto, which chooses them",
         ),
         ("{blend: 1 s}", 'controller: law sampled and no "G"; '),
-        ("{G: 0}", "controller.G: 0 is not positive; it must be above 0; correct it"),
+        ("{G: 0}", "controller.G: 0 is not positive; it must be above 0; write a positive number"),
         ("{G: 1, Lambda: -1}", "controller.Lambda: -1 is not positive; it must be above 0; "),
-        ("{G: 1, L_i: -1}", "controller.L_i: -1 is negative; it is at least 0; correct it"),
+        ("{G: 1, L_i: -1}", "controller.L_i: -1 is negative; it is at least 0; write 0 or more"),
         (
             "{G: 1, L_i: 1 1/s}",
             'controller.L_i: "1 1/s" has the unit "1/s"; a rate of a rate [1/s^2] is expected; '
             "write it in 1/s^2",
         ),
-        ("{G: 1, blend: -1 s}", "controller.blend: -1 is negative; it is at least 0; correct it"),
+        (
+            "{G: 1, blend: -1 s}",
+            "controller.blend: -1 is negative; it is at least 0; write 0 or more",
+        ),
         (
             "{kappa_P: 3, kappa_max: 2.5}",
             "controller.kappa_max: 2.5 is below kappa_P = 3; kappa begins at kappa_P and grows to "
             "its ceiling; raise the ceiling or lower kappa_P",
         ),
         ("{phi_max: 0.5}", "controller.phi_max: 0.5 is below phi_P = 1 (its default); phi "),
-        ("{phi_max: 0}", "controller.phi_max: 0 is not positive; it must be above 0; correct it"),
-        ("{leak: -1}", "controller.leak: -1 is negative; it is at least 0; correct it"),
+        (
+            "{phi_max: 0}",
+            "controller.phi_max: 0 is not positive; it must be above 0; write a positive number",
+        ),
+        ("{leak: -1}", "controller.leak: -1 is negative; it is at least 0; write 0 or more"),
         (
             "{hold_aware: on}",
             'controller.hold_aware: "on"; true or false is expected; write one of them',

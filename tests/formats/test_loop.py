@@ -60,7 +60,7 @@ def test_a_velocity_is_differentiated_with_a_filter():
     ("text", "message"),
     [
         ("{rat: 1 kHz}", 'loop: unknown key "rat"; did you mean "rate"? known: rate, delay, noise'),
-        ("{rate: 0}", "loop.rate: 0 is not positive; it must be above 0; correct it"),
+        ("{rate: 0}", "loop.rate: 0 is not positive; it must be above 0; write a positive number"),
         ("{rate: 1 khz}", 'loop.rate: "1 khz": unknown unit "khz"; did you mean "kHz"? known: m,'),
         (
             "{rate: 1 ms}",
@@ -68,8 +68,8 @@ def test_a_velocity_is_differentiated_with_a_filter():
         ),
         (
             "{delay: 2}",
-            "loop.delay: 2 periods; a command acts 0 to 1 periods late; correct it, or write the "
-            "rate at which it is so",
+            "loop.delay: 2 periods; a command acts 0 to 1 periods late; write a number in [0, 1], "
+            "or the rate at which it is so",
         ),
         ("{delay: -0.1}", "loop.delay: -0.1 periods; a command acts 0 to 1 periods late; "),
         (
@@ -175,7 +175,7 @@ def test_none_is_no_noise_whatever_a_file_has():
     [
         ("1e-4", '--noise: "1e-4": "1e-4" is no key=value; write "key=value, key=value" with '),
         ("positon=1", '--noise: unknown key "positon"; did you mean "position"? known: position,'),
-        ("position=-1", "--noise.position: -1 is negative; it is at least 0; correct it"),
+        ("position=-1", "--noise.position: -1 is negative; it is at least 0; write 0 or more"),
         (
             "position=1e-4 rad",
             '--noise.position (joint tool.slide): "1e-4 rad" has the unit "rad"; a length [m] is '

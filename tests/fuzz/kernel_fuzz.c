@@ -224,9 +224,9 @@ static void check_loop(fuzz_case *c, mr_law law) {
                        rows[8], rows[9], rows[10], rows[11], rows[12], rows[13], rows[14]};
     mr_controller_state state = {.memory = memory(c, mr_controller_memory_size(model))};
     int32_t logged = -1;
-    const mr_status status = mr_loop_advance(
-        model, &c->bounds, &c->gains, &c->bounds.nominal, TICKS, reference[0], reference[1],
-        reference[2], 1, work, &state, &loop, &log, &logged);
+    const mr_status status =
+        mr_loop_advance(model, &c->bounds, &c->gains, &c->bounds.nominal, TICKS, reference[0],
+                        reference[1], reference[2], 1, work, &state, &loop, &log, &logged);
     CHECK(logged >= 0 && logged <= TICKS && loop.ticks >= 0 && loop.ticks <= TICKS);
     CHECK(status || loop.ticks == TICKS);
     CHECK(loop.limited >= 0 && loop.limited <= loop.ticks);

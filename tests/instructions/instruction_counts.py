@@ -23,9 +23,12 @@ import numpy as np
 
 import modrobust as mr
 import modrobust.kernel
-from modrobust.kernel import BOUNDS
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from support.kernel.native import gains_of  # noqa: E402
+
 STORED = HERE.parent / "data" / "instruction_counts.json"
 KERNEL = Path(modrobust.kernel.__file__).parent
 FLAGS = [line for line in (KERNEL / "flags.txt").read_text().splitlines() if line[:1] == "-"]
@@ -71,15 +74,23 @@ def uncertain(robot: mr.Robot) -> mr.Robot:
     return replace(robot, lower=lower, upper=upper)
 
 
-Case = tuple[Callable[[mr.Robot], mr.Robot], str, float]
-CASES: dict[str, Case] = {  # robot, bound, size of the signals
-    "Table II, hull": (lambda robot: robot, "hull", RATE),
-    "Table II, ianea": (lambda robot: robot, "ianea", RATE),
-    "every body uncertain, hull": (uncertain, "hull", RATE),
-    "every body uncertain, ianea": (uncertain, "ianea", RATE),
-    "all exact, hull": (exact, "hull", RATE),
-    "first body only, hull": (first_uncertain, "hull", RATE),
-    "widest boxes, hull": (widest, "hull", FAST),
+def as_it_is(robot: mr.Robot) -> mr.Robot:
+    """The paper's."""
+    return robot
+
+
+SAMPLED: dict[str, Any] = {"law": "sampled", "G": 40.0, "rate": 1e3}
+Case = tuple[Callable[[mr.Robot], mr.Robot], float, dict[str, Any]]
+CASES: dict[str, Case] = {  # robot, size of the signals, options of the controller
+    "Table II, hull": (as_it_is, RATE, {"law": "norm", "bound": "hull"}),
+    "Table II, ianea": (as_it_is, RATE, {"law": "norm", "bound": "ianea"}),
+    "every body uncertain, hull": (uncertain, RATE, {"law": "norm", "bound": "hull"}),
+    "every body uncertain, ianea": (uncertain, RATE, {"law": "norm", "bound": "ianea"}),
+    "all exact, hull": (exact, RATE, {"law": "norm", "bound": "hull"}),
+    "first body only, hull": (first_uncertain, RATE, {"law": "norm", "bound": "hull"}),
+    "widest boxes, hull": (widest, FAST, {"law": "norm", "bound": "hull"}),
+    "sampled, no delay": (as_it_is, RATE, {**SAMPLED, "delay": 0.0}),
+    "sampled, a tick late": (as_it_is, RATE, {**SAMPLED, "delay": 1.0}),
 }
 
 
@@ -99,9 +110,29 @@ def transforms(name: str, T: Any) -> str:
     return f"static const mr_transform {name}[] = {{{rows}}};\n"
 
 
-def data(robot: mr.Robot, bound: str, rate: float) -> str:
+def gains(robot: mr.Robot, options: dict[str, Any]) -> str:
+    """`command_gains`, and the points that it names."""
+    given = gains_of(mr.RobustController(robot, **options))
+    b, j = robot.b, robot.j
+    ends = np.cumsum([0, b, 3 * b, 6 * b, j, j])
+    method = f"(mr_method){given.pop('bound')}"
+    given["law"] = f"(mr_law){given['law']}"
+    out, fields = "", {"method": method}
+    for name, value in given.items():
+        if not isinstance(value, np.ndarray):
+            fields[name] = value.hex() if isinstance(value, float) else str(value)
+            continue
+        fields[name] = name
+        if name in ("centre", "light"):
+            fields[name] = "{" + ", ".join(f"{name} + {end}" for end in ends) + "}"
+        out += table("double", name, value)
+    said = ", ".join(f".{name} = {value}" for name, value in fields.items())
+    return f"{out}static const mr_gains command_gains = {{{said}}};\n".replace("inf", "INFINITY")
+
+
+def data(robot: mr.Robot, rate: float, options: dict[str, Any]) -> str:
     """command_data.h: the robot, its box and gains, and signals at fixed random states."""
-    f, d, c = robot.mimic, robot.disturbance, robot.controller
+    f, d = robot.mimic, robot.disturbance
     b, j = robot.b, robot.j
     x, y, z = (row * g for row, g in zip(robot.base[:3, :3], robot.gravity, strict=True))
     points = {"nominal": robot.nominal, "lower": robot.lower, "upper": robot.upper}
@@ -109,7 +140,7 @@ def data(robot: mr.Robot, bound: str, rate: float) -> str:
         (getattr(robot.lower, name)[k] != getattr(robot.upper, name)[k]).any()
         for name in ("mass", "com", "inertia")
     )]  # fmt: skip
-    out = ['#include "mr_kernel.h"\n']
+    out = ['#include <math.h>\n#include "mr_kernel.h"\n']
     out.append(table("int32_t", "types", [kind == "prismatic" for kind in robot.joint_types]))
     out.append(table("int32_t", "parents", robot.parents))
     out.append(transforms("before", robot.before) + transforms("after", robot.after))
@@ -124,7 +155,6 @@ def data(robot: mr.Robot, bound: str, rate: float) -> str:
     out.extend(table("double", name, point.packed) for name, point in points.items())
     out.append(table("double", "d_lo", d.lo) + table("double", "d_hi", d.hi))
     out.append(table("int32_t", "uncertain", wide))
-    out.append(table("double", "K_r", np.broadcast_to(c.K_r, robot.n)))
     signals = np.random.default_rng(0).uniform(-rate, rate, (STATES, 5, robot.n))
     out.append(f"enum {{ JOINTS = {robot.n}, STATES = {STATES} }};\n")
     rows = "}, {".join("{" + "}, {".join(map(floats, state)) + "}" for state in signals)
@@ -140,11 +170,7 @@ def data(robot: mr.Robot, bound: str, rate: float) -> str:
         f"static const mr_bounds command_bounds = {{{{{'}, {'.join(views)}}}, d_lo, d_hi, "
         f"uncertain, {len(wide)}, NULL}};\n"
     )
-    gains = floats([c.kappa_P, c.kappa_I, c.phi_P, c.phi_I, c.epsilon])
-    out.append(
-        f"static const mr_gains command_gains = {{K_r, {gains}, MR_LAW_NORM, "
-        f"(mr_method){BOUNDS[bound]}}};\n"
-    )
+    out.append(gains(robot, options))
     return "".join(out)
 
 
@@ -177,8 +203,8 @@ def count_all() -> dict[str, float]:
         for source in sorted(KERNEL.glob("*.c")):
             objects.append(folder / f"{source.stem}.o")
             subprocess.run(["gcc", *FLAGS, "-c", source, "-o", objects[-1]], check=True)
-        for name, (of, bound, rate) in CASES.items():
-            (folder / "command_data.h").write_text(data(of(paper), bound, rate))
+        for name, (of, rate, options) in CASES.items():
+            (folder / "command_data.h").write_text(data(of(paper), rate, options))
             program = folder / "count"
             include: list[str | Path] = ["-I", folder, "-I", KERNEL, HERE / "command_count.c"]
             subprocess.run(["gcc", *FLAGS, *include, *objects, "-lm", "-o", program], check=True)

@@ -189,7 +189,7 @@ def test_a_loop_that_does_not_fit_is_refused(changes: dict[str, Any], message: s
 
 
 def test_memory_of_another_length_is_refused() -> None:
-    controller = mr.RobustController(ROBOT).kernel
+    controller: Any = mr.RobustController(ROBOT).kernel
     *numbers, remembered = controller.memory()[:6]
     with pytest.raises(ValueError, match="memory: wrong length"):
         controller.recall(*numbers, remembered[:-1], *controller.memory()[6:])

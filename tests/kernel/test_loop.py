@@ -14,7 +14,13 @@ from modrobust.reference import box, mass_matrix, newton_euler
 from support.loops import make_loop
 from support.random_robots import random_robot
 
-GAINS = {"kappa_P": 2.0, "kappa_I": 100.0, "phi_P": 1.0, "phi_I": 200.0, "epsilon": 0.0937}
+GAINS: dict[str, Any] = {
+    "kappa_P": 2.0,
+    "kappa_I": 100.0,
+    "phi_P": 1.0,
+    "phi_I": 200.0,
+    "epsilon": 0.0937,
+}
 TICKS, DT, SUBSTEPS = 40, 3e-4, 2
 
 

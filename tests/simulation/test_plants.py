@@ -17,12 +17,13 @@ import numpy as np
 import pytest
 
 import modrobust as mr
+from modrobust import _kernel
 from modrobust.errors import MissingExtraError, ValueRangeError
 from modrobust.model import Parameters, Robot
 from modrobust.simulation import SimulationResult, simulate
-from modrobust.simulation.engine_loop import EngineLoop
 from modrobust.simulation.plants import PLANTS, make_plant
 from modrobust.simulation.result import LOGGED
+from support.loops import make_loop
 from support.random_robots import random_robot, tied
 
 ENGINES = ("mujoco", "pinocchio")
@@ -108,7 +109,10 @@ def test_everything_that_is_logged_agrees_and_the_figures_over_all_ticks_too(
 
 def test_the_paper_s_robot_moves_alike_at_50_khz() -> None:
     robot = mr.load_robot("lwa4p-paper")
-    ran = {p: simulate(robot, scenario="2", plant=p, duration=0.1) for p in PLANTS}
+    ran = {
+        p: simulate(robot, scenario="2", plant=p, duration=0.1, rate=50e3, law="norm")
+        for p in PLANTS
+    }
     for plant in ENGINES:
         assert apart(ran["builtin"], ran[plant]) < 1e-10
         assert ran[plant].summary()["violations"] == 0
@@ -139,23 +143,21 @@ def test_a_bound_violated_on_one_side_only_is_seen(side: float) -> None:
 
 
 class Script:
-    """A plant that moves as it is told."""
+    """A plant that stands where it is told."""
 
     def __init__(self, rows: Any) -> None:
         self._rows = iter(rows)
-        self.q = next(self._rows)
-        self.dq = np.zeros(len(self.q))
 
-    def advance(self, tau: Any) -> None:
-        self.q = next(self._rows, self.q)
+    def step(self, q: Any, dq: Any, drive: Any, h: float) -> tuple[Any, Any]:
+        return next(self._rows, q), np.zeros(len(q))
 
 
 def test_the_largest_error_counts_from_the_last_time_that_epsilon_was_left() -> None:
     robot = mr.load_robot("lwa4p-paper")
-    controller = mr.RobustController(robot, epsilon=0.01)
+    controller = mr.RobustController(robot, epsilon=0.01, law="norm")
     rows = np.zeros((6, robot.n))
     rows[:, 2] = [0.0, 0.009, 0.02, 0.003, 0.005, 0.004]
-    loop = EngineLoop(controller, Script(rows), robot.nominal, np.zeros(robot.n), 0.001)
+    loop = make_loop(controller, q=rows[0], plant=Script(rows[1:]), dt=1e-3)
     zero = np.zeros((6, robot.n))
     log = loop.advance(zero, zero, zero, 2)
     assert log["t"].tolist() == [0.0, 0.002, 0.004]
@@ -179,16 +181,48 @@ def test_without_a_controller_the_motion_is_that_of_our_forward_dynamics(
         robot = tied(robot, 4, rng, anywhere=shape.startswith("carrying"))
     point, d = robot.sample_parameters(rng), rng.normal(size=robot.n)
     q, dq = rng.normal(size=(2, robot.n))
-    dt, substeps = 1e-4, 2
-    motion = make_plant(plant, robot, point, d, q, dq, dt, substeps)
-    for _ in range(300):
-        tau = 20.0 * rng.normal(size=robot.n)
-        motion.advance(tau)
-        for _ in range(substeps):
-            q, dq = runge_kutta(robot, point, q, dq, tau + d, dt / substeps)
+    motion = make_plant(plant, robot, point)
+    theirs = q, dq
+    for _ in range(600):
+        drive = 20.0 * rng.normal(size=robot.n) + d
+        theirs = motion.step(*theirs, drive, 5e-5)
+        q, dq = runge_kutta(robot, point, q, dq, drive, 5e-5)
     assert np.abs(dq).max() > 0.1
-    np.testing.assert_allclose(motion.q, q, rtol=0, atol=1e-10)
-    np.testing.assert_allclose(motion.dq, dq, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(theirs[0], q, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(theirs[1], dq, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("plant", ENGINES)
+@pytest.mark.parametrize("shape", ["chain", "carrying mimic joints"])
+def test_an_implicit_step_of_an_engine_is_that_of_our_own_plant(plant: str, shape: str) -> None:
+    """Steps of 1 ms over friction that an explicit one could not take."""
+    rng = np.random.default_rng(12)
+    robot = random_robot(rng, types="rprrp", drives=False)
+    if shape != "chain":
+        robot = tied(robot, 3, rng, anywhere=True)
+    friction = {"viscous": np.full(robot.j, 0.3), "coulomb": rng.uniform(0.5, 3.0, robot.j)}
+    robot = replace(
+        robot,
+        effort_limits=np.zeros(robot.n),
+        coulomb_speed=np.full(robot.j, 1e-4),
+        **{
+            name: replace(getattr(robot, name), **friction)
+            for name in ("nominal", "lower", "upper")
+        },
+    )
+    d, q, dq = 3.0 * rng.normal(size=robot.n), *rng.normal(size=(2, robot.n))
+    moving = make_plant(plant, robot, robot.nominal, implicit=True)
+    logs = []
+    for one in (None, moving):
+        controller = mr.RobustController(robot, law="norm")
+        loop = make_loop(
+            controller, d=d, q=q, dq=dq, plant=one, substeps=2, implicit=True, saturation=1
+        )
+        logs.append(loop.advance(*[np.zeros((100, robot.n))] * 3, 1))
+        assert loop.status == 0
+    for name in ("q", "dq"):
+        np.testing.assert_allclose(logs[1][name], logs[0][name], rtol=0, atol=1e-8)
+    assert np.abs(logs[0]["q"][-1] - q).max() > 0.05
 
 
 def runge_kutta(
@@ -229,11 +263,16 @@ def test_a_state_out_of_range_shows_and_leaves_no_file(
     monkeypatch.chdir(tmp_path)
     robot = mr.load_robot("lwa4p-paper")
     zero = np.zeros(robot.n)
-    motion = make_plant(plant, robot, robot.nominal, zero, zero + 1.0, zero, 1e-3, 1)
-    for _ in range(4):
-        motion.advance(zero + 1e5)
-    motion.advance(zero + 1e200)
-    assert not (np.abs(motion.q) < 1e10).all()
+    motion = make_plant(plant, robot, robot.nominal)
+
+    def run_away() -> None:
+        q, dq = zero + 1.0, zero
+        for drive in (1e5, 1e5, 1e5, 1e5, 1e200, 0.0):
+            q, dq = motion.step(q, dq, zero + drive, 1e-3)
+
+    with pytest.raises(_kernel.KernelError) as caught:
+        run_away()
+    assert caught.value.args == (_kernel.STATUS_DIVERGED,)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -268,16 +307,17 @@ def test_mujoco_s_hooks_are_the_user_s_own(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def in_mujoco(robot: Robot) -> Any:
-    """In motion, so that friction acts. MuJoCo cannot make a model while a hook is set."""
-    zero = np.zeros(robot.n)
-    return make_plant("mujoco", robot, robot.nominal, zero, zero + 0.3, zero + 0.5, 1e-3, 2)
+    """MuJoCo cannot make a model while a hook is set."""
+    return robot, make_plant("mujoco", robot, robot.nominal)
 
 
 def moved(plant: Any, ticks: int) -> Any:
-    """Positions after some ticks under a torque."""
-    for _ in range(ticks):
-        plant.advance(np.ones(len(plant.q)))
-    return plant.q
+    """Positions after some ticks under a torque, in motion, so that friction acts."""
+    robot, motion = plant
+    q, dq = np.full(robot.n, 0.3), np.full(robot.n, 0.5)
+    for _ in range(2 * ticks):
+        q, dq = motion.step(q, dq, np.ones(robot.n), 5e-4)
+    return q
 
 
 def test_two_threads_and_a_user_s_own_model_do_not_disturb_each_other() -> None:

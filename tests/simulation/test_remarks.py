@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import modrobust as mr
-from modrobust.model import Robot, TrajectorySettings
+from modrobust.model import LoopSettings, Robot, TrajectorySettings, synthetic_chain
 from modrobust.motion import Quintic
 from modrobust.simulation.remarks import remarks
 from support.random_robots import random_robot
@@ -29,7 +29,34 @@ def robot() -> Robot:
 
 
 def said(robot: Robot, q: Any = STILL, dq: Any = STILL, noisy: Any = None) -> list[str]:
-    return remarks(robot, 0.2, T, np.array(q), np.array(dq), noisy)
+    q, dq = np.array(q), np.array(dq)
+    settings = robot.controller, robot.loop
+    return remarks(robot, *settings, 0.2, T, q, dq, np.zeros_like(q), noisy)
+
+
+def noisy_run(tau_step: float) -> tuple[Robot, list[str]]:
+    """What is said of torques that step by so much a tick under noise of 1 mrad and 0.1 rad/s."""
+    arm = synthetic_chain(2)
+    loop = LoopSettings(rate=1e3, noise_position=(1e-3,) * 2, noise_velocity=(0.1,) * 2)
+    gains = mr.RobustController(arm, law="sampled", G=20.0, loop=loop).settings
+    t = np.arange(40) * 1e-3
+    tau = np.zeros((40, 2))
+    tau[1::2, 0] = tau_step
+    still: Any = np.zeros((40, 2))
+    return arm, remarks(arm, gains, loop, 0.04, t, still, still, tau, np.full(2, 99.0))
+
+
+def test_with_noise_a_torque_may_step_by_what_the_noise_explains() -> None:
+    arm, quiet = noisy_run(0.0)
+    assert quiet == []
+    controller = mr.RobustController(arm, law="sampled", G=20.0)
+    M = mr.mass_matrix(arm, [0.0, 0.0], controller._points[1])
+    each = (20.0 + 10.0) * 0.1 + 20.0 * 10.0 * 1e-3
+    explained = 3.0 * np.sqrt(2.0 / 3.0) * np.hypot(*(M[0] * each))
+    assert noisy_run(0.99 * explained)[1] == []
+    (remark,) = noisy_run(1.02 * explained)[1]
+    assert f'joint "{arm.joint_names[0]}" steps by ' in remark
+    assert "the noise explains (3 sigma)" in remark
 
 
 def test_a_quiet_run_within_its_limits_has_no_remarks(robot: Robot) -> None:

@@ -24,8 +24,8 @@ def make_loop(
     implicit: bool = False,
     seed: int = 0,
     **changes: Any,
-) -> _kernel.Loop:
-    """The closed loop of a controller: its own settings, at rest at 0, of the nominal robot.
+) -> Any:
+    """A ``_kernel.Loop``: of a controller, its own settings, at rest at 0, of the nominal robot.
 
     d: constant disturbance (n,); changes: of `kernel_loop`, by name, such as ``dt`` [s] or
     ``noise_position``.
@@ -33,6 +33,7 @@ def make_loop(
     robot = controller.robot
     zero = np.zeros(robot.n)
     settings = {**kernel_loop(controller.loop, seed, substeps, implicit), **changes}
-    vectors = (zero if x is None else np.array(x, dtype=float) for x in (d, q, dq))
+    start = [zero if x is None else np.array(x, dtype=float) for x in (d, q, dq)]
     point = robot.nominal if parameters is None else parameters
-    return _kernel.Loop(controller.kernel, point.packed, *vectors, settings, plant)
+    made: Any = _kernel.Loop
+    return made(controller.kernel, point.packed, *start, settings, plant)

@@ -9,7 +9,6 @@ all of them and keeps what it has when Ctrl-C comes.
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -19,7 +18,7 @@ import numpy as np
 
 from modrobust.bench.found_range import found_range, probe_count
 from modrobust.checks.types import Array
-from modrobust.control import RateWarning, RobustController
+from modrobust.control import RobustController
 from modrobust.dynamics import perturbation_bounds
 from modrobust.errors import ValueRangeError
 from modrobust.kernel import BOUNDS, own_environment
@@ -218,11 +217,7 @@ def law_times(run: SimulationResult, repeat: int = 1) -> dict[str, Array]:
     found = {}
     for name, (settings, delay) in LAW_CASES.items():
         loop = replace(run.loop, delay=delay)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RateWarning)
-            controller = RobustController(
-                run.robot, loop=loop, bound=run.controller.bound, **settings
-            )
+        controller = RobustController(run.robot, loop=loop, bound=run.controller.bound, **settings)
         each = [controller.time_commands(run.t, *inputs) for _ in range(repeat + 1)]
         found[name] = np.concatenate(each[1:])
     return found

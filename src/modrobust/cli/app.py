@@ -6,7 +6,16 @@ from typing import Annotated
 
 import typer
 
-from modrobust.cli import assemble, bench, campaign, import_timor, modules, schema, simulate
+from modrobust.cli import (
+    assemble,
+    bench,
+    campaign,
+    design,
+    import_timor,
+    modules,
+    schema,
+    simulate,
+)
 from modrobust.cli.options import PlainCommand
 
 app = typer.Typer(
@@ -16,7 +25,8 @@ app = typer.Typer(
         "\b\nExamples:\n"
         "  modrobust modules\n"
         "  modrobust assemble lwa4p\n"
-        "  modrobust simulate lwa4p-paper --scenario 1\n\n"
+        "  modrobust simulate lwa4p-paper --scenario 1\n"
+        "  modrobust design ur5 --delay 1 --noise 'position=1e-4, velocity=1e-2'\n\n"
         "Exit codes: 0 fine; 1 ran, but the answer is bad (a bound violated, a loop diverged, "
         "a limit missed); 2 bad input or usage; 130 interrupted."
     ),
@@ -26,7 +36,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (assemble, simulate, campaign, bench, modules, schema, import_timor):
+for command in (assemble, design, simulate, campaign, bench, modules, schema, import_timor):
     app.command(cls=PlainCommand, epilog=command.EXAMPLES)(command.command)
 
 

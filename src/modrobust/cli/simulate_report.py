@@ -27,7 +27,7 @@ def print_run(robot: Robot, result: SimulationResult, motion: str | None) -> Non
     settings = figures["settings"]
     remark = robot.scenario_notes.get(settings["scenario"])
     show(*([] if remark is None else [f"Scenario {settings['scenario']}: {remark}."]))
-    show(_motion(robot, motion), *_notes(settings))
+    show(_motion(robot, motion), *_notes(robot, settings))
     if figures["diverged"]:
         show("")
         print_verdict(robot, figures)
@@ -64,8 +64,8 @@ def _headline(settings: Mapping[str, Any]) -> str:
     )
 
 
-def _notes(settings: Mapping[str, Any]) -> list[str]:
-    lines = [*_loop(settings["loop"]), *_law(settings)]
+def _notes(robot: Robot, settings: Mapping[str, Any]) -> list[str]:
+    lines = [*_loop(robot, settings["loop"]), *_law(settings)]
     if settings["scaled_to_physical"]:
         bodies = ", ".join(settings["scaled_to_physical"])
         lines.append(
@@ -76,19 +76,21 @@ def _notes(settings: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _loop(loop: Mapping[str, Any]) -> list[str]:
+def _loop(robot: Robot, loop: Mapping[str, Any]) -> list[str]:
     """How often the command is given, how late it acts, and what is measured."""
-    late = f", acts {loop['delay']:g} periods late" if loop["delay"] else ""
+    delay = loop["delay"]
+    late = f", acts {'one period' if delay == 1.0 else f'{delay:g} periods'} late" if delay else ""
     lines = [
         f"A command every {1e3 / loop['rate']:.4g} ms ({loop['rate'] / 1e3:g} kHz), held{late}."
     ]
+    unit = "rad" if robot.free_turns.all() else "m" if not robot.free_turns.any() else "rad or m"
     said = []
     for what in ("noise", "quantisation"):
-        for kind in ("position", "velocity"):
-            size = max(loop[f"{what}_{kind}"], default=0.0)
-            if size:
-                sign = ", worst sign" if what == "noise" and loop["noise"] == "worst" else ""
-                said.append(f"{what} of {kind} up to {size:g}{sign}")
+        sizes = [max(loop[f"{what}_{kind}"], default=0.0) for kind in ("position", "velocity")]
+        if any(sizes):
+            sign = ", worst sign" if what == "noise" and loop["noise"] == "worst" else ""
+            of_q, of_dq = (f"{size:g}" for size in sizes)
+            said.append(f"{what} up to {of_q} {unit}, {of_dq} per s{sign}")
     if loop["velocity"] == "differentiated":
         said.append(f"velocity differentiated, filter {loop['filter']:g} Hz")
     if loop["disturbance"] != "constant":

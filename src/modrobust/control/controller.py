@@ -70,7 +70,7 @@ class Command:
     integral_rate: float
     """f of the tracking error's norm: how fast the integral of the gains grows [rad]."""
     alpha: float
-    """Share of the feedback that the torque limits leave room for, (32), of ``sampled``; else 1."""
+    """Share of the feedback that torque limits leave room for, (32), of ``sampled``; else 1 [1]."""
 
 
 class RobustController:
@@ -89,19 +89,17 @@ class RobustController:
 
     Args:
         robot: Robot with ``n`` joints. Its controller and loop are the defaults of the rest.
-        rate: Commands a second [Hz]; each is held until the next.
-        delay: How late a command acts, in periods, 0 to 1.
+        rate: Commands a second [Hz]; each is held until the next. One that is given and too slow
+            for the gains, by an estimate, is warned of (`RateWarning`).
+        delay: How late a command acts, in periods, 0 to 1 [1].
         loop: The whole loop, instead of the robot's; rate and delay are laid over it.
         motion: What ``auto`` chooses gains for: a `Trajectory`; None = the robot's own, else any
             motion within the limits of positions and velocities.
         **options: Settings by name, see `ControllerSettings`; ``K_r`` may be one number for all
-            joints, a mapping by joint name, or ``(n,)``. None = the robot's own.
-
-    Warns:
-        RateWarning: A rate is given that is too slow for the gains, by an estimate.
+            joints, a mapping by joint name, or ``(n,)``. None = the robot's own. Other names are a
+            ``TypeError``.
 
     Raises:
-        TypeError: No setting has that name.
         ShapeError: ``K_r`` does not have one entry a joint.
         ValueRangeError: A setting is unknown, not finite or out of its range.
 
@@ -139,7 +137,7 @@ class RobustController:
         self._motion = motion
         self._before: _kernel.Controller | None = None  # of the payload used until now
         self._ticks = 0  # that `step` has done
-        if rate is not None or loop is not None:
+        if rate is not None:
             need = self.rate_need
             if need is not None and need.warning is not None:
                 warnings.warn(need.warning, RateWarning, stacklevel=3)

@@ -2,7 +2,7 @@ r"""The rule that chooses the gain G, and the three things that bound it.
 
 .. math::
    G = \min\left(G_{stab},\; G_{noise},\; \max(G_{eps},\; 20/\mathrm{s})\right), \quad
-   \Lambda = G/2, \quad L_i = G^2 \min(0.05,\; 0.6\,\pi_1)                              \quad (35)
+   \Lambda = G/2, \quad L_i = G^2 \min(0.05,\; \pi_1)                              \quad (35)
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from modrobust.design.states import States
 from modrobust.model import LoopSettings, Parameters, Robot
 
 FLOOR = 20.0  # [1/s]: a slower loop would hardly follow a motion
-NOISE_SHARE = 0.5  # of an effort limit: what noise through the gains may take of it
+NOISE_SHARE = 0.3  # of an effort limit: what noise through the gains may take of it
 UNIFORM = math.sqrt(3.0)  # three standard deviations of noise that is uniform in [-1, 1]
 LEAST_POSITION_NOISE = 1e-6  # [rad] or [m]: no sensor is better; without it 4 kHz asks for
 LEAST_VELOCITY_NOISE = 1e-4  # [rad/s] or [m/s]: many times the limit
@@ -123,7 +123,7 @@ def timing(loop: LoopSettings) -> Timing:
 
 def integral_gain(G: float, found: Spectra) -> float:
     """L_i of (35) [1/s^2]."""
-    return G * G * min(0.05, 0.6 * found.light[0])
+    return G * G * min(0.05, found.light[0])
 
 
 def measured_noise(loop: LoopSettings, n: int) -> tuple[Array, Array]:
@@ -153,10 +153,10 @@ def measured_noise(loop: LoopSettings, n: int) -> tuple[Array, Array]:
 
 
 def noise_gain(light_mass: Array, limits: Array, loop: LoopSettings) -> float:
-    r"""G_noise [1/s]: the largest gain at which noise asks for half of an effort limit.
+    r"""G_noise [1/s]: the largest gain at which noise asks for 0.3 of an effort limit.
 
     .. math:: \sqrt3\,\lVert e_i^T M_s\,(\tfrac32 G N_v + \tfrac12 G^2 N_q) \rVert
-              \le \tfrac12\,\overline\tau_i
+              \le 0.3\,\overline\tau_i
 
     for every joint i with a limit and every state; N_q counts n_q + D T n_v, since the predictor
     takes a velocity for the delay's time.

@@ -156,7 +156,7 @@ def design(
     r"""Gains of the law ``sampled`` that are the least that meet epsilon, as far as the loop lets.
 
     .. math:: G = \min\left(G_{stab},\; G_{noise},\; \max(G_{eps},\; 20/\mathrm{s})\right), \quad
-              \Lambda = G/2, \quad L_i = G^2 \min(0.05,\; 0.6\,\pi_1)
+              \Lambda = G/2, \quad L_i = G^2 \min(0.05,\; \pi_1)
 
     Deterministic: seeds are its own, and gains are rounded to three digits, so that they are the
     same on every machine but for a rare tie.

@@ -58,15 +58,11 @@ def central_parameters(robot: Robot) -> Parameters:
     check_robot(robot)
     lower, upper = robot.lower, robot.upper
     mass = _middle(lower.mass, upper.mass)
-    some = mass > 0.0
-    divisor = np.where(some, mass, 1.0)[:, None]
-    com = np.where(
-        some[:, None],
-        _middle(*_moment_range(lower, upper)) / divisor,
-        _middle(lower.com, upper.com),
-    )
-    given = _middle(lower.inertia, upper.inertia)
     known = (lower.mass == upper.mass) & (lower.com == upper.com).all(axis=1)
+    plain = known | (mass == 0.0)
+    moved = _middle(*_moment_range(lower, upper)) / np.where(plain, 1.0, mass)[:, None]
+    com = np.where(plain[:, None], _middle(lower.com, upper.com), moved)
+    given = _middle(lower.inertia, upper.inertia)
     spread = _middle(*_steiner_range(lower, upper)) - steiner(mass, com)
     at_com = given + np.where(known[:, None, None], 0.0, spread)
     middle = {

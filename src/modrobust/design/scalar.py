@@ -21,7 +21,7 @@ from modrobust.checks.types import Array
 from modrobust.design.spectra import Spectra
 
 LAMBDA = 0.5  # of G
-MARGIN = 2.0  # the loop must still be stable at this multiple of the gains
+MARGIN = 1.8  # the loop must still be stable at this multiple of the gains
 _CRITICAL = 1.328  # G T max(pi_2, 1): 4/3 without the integral, 1.305 with L_i = G^2 / 20
 _GRID = 9  # values of xi and of c
 _COARSE = np.geomspace(0.02, 1.4, 60)  # of G T, tried upwards
@@ -43,10 +43,10 @@ class Timing:
 
 
 def stable_gain(found: Spectra, timing: Timing) -> float:
-    r"""G_stab [1/s]: half of the largest G for which every mode of (37) is stable.
+    r"""G_stab [1/s]: 1/1.8 of the largest G for which every mode of (37) is stable.
 
-    .. math:: G_{stab} = \frac{0.664}{T \max(\pi_2, 1)} \quad (D = 0), \qquad
-              G_{stab} = \frac{1}{T} \max\{g : \text{the loop of } 2 g \text{ is stable for all }
+    .. math:: G_{stab} = \frac{0.738}{T \max(\pi_2, 1)} \quad (D = 0), \qquad
+              G_{stab} = \frac{1}{T} \max\{g : \text{the loop of } 1.8 g \text{ is stable for all }
               \xi, c\}
 
     over c in [c_1, c_2], xi in [xi_1, 1] with pi = xi c in [pi_1, pi_2].

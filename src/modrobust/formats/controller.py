@@ -14,8 +14,7 @@ from modrobust.formats.perjoint import PerJoint
 from modrobust.formats.quantity import parse_point
 from modrobust.model import ControllerSettings
 
-WITHOUT_GAINS = "norm"  # the law of a description that has no gains
-_AUTO = "auto"
+_AUTO = "auto"  # also the law of a description that has no gains
 _LAWS = ("norm", "componentwise", "sampled", _AUTO)
 _OF_NORM = (
     *("K_r", "kappa_P", "kappa_I", "phi_P", "phi_I"),
@@ -96,7 +95,7 @@ ControllerEntry = Annotated[
 class Controller:
     """Controller settings of the file; None = not written, the default holds."""
 
-    law: str = WITHOUT_GAINS
+    law: str = _AUTO
     bound: str | None = None
     K_r: PerJoint | None = None  # [1/s]
     kappa_P: float | None = None  # [s/rad]
@@ -180,7 +179,7 @@ def _implied(model: ControllerModel) -> str:
     written = model.node.entries
     if any(key in written for key in _OF_NORM):
         return "norm"
-    return "sampled" if any(key in written for key in _OF_SAMPLED) else WITHOUT_GAINS
+    return "sampled" if any(key in written for key in _OF_SAMPLED) else _AUTO
 
 
 def _check_of_law(model: ControllerModel, key: str, law: str) -> None:
@@ -221,9 +220,11 @@ def _number(
         return None
     value = parse_point(node, dimension, field)
     if least == "above" and value <= 0:
-        raise node.where.error(field, f"{value:g} is not positive; it must be above 0; correct it")
+        raise node.where.error(
+            field, f"{value:g} is not positive; it must be above 0; write a positive number"
+        )
     if value < 0:
-        raise node.where.error(field, f"{value:g} is negative; it is at least 0; correct it")
+        raise node.where.error(field, f"{value:g} is negative; it is at least 0; write 0 or more")
     return value
 
 

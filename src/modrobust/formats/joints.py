@@ -113,12 +113,13 @@ def drive_figures(model: DriveOptionModel) -> dict[str, Node]:
         quantity = parse_written(node, _DRIVES[key], field, bounds=key != "gear_ratio").quantity()
         if key == "gear_ratio" and quantity.lo <= 0:
             raise node.where.error(
-                field, f"{quantity.lo:g} is not positive; it must be above 0; correct it"
+                field,
+                f"{quantity.lo:g} is not positive; it must be above 0; write a positive number",
             )
         if quantity.lo < 0:
             what = "lower bound " if quantity.bounded else ""
             raise node.where.error(
-                field, f"{what}{quantity.lo:g} is negative; it is at least 0; correct it"
+                field, f"{what}{quantity.lo:g} is negative; it is at least 0; write 0 or more"
             )
     return written
 

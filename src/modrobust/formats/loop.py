@@ -220,8 +220,8 @@ def _delay(node: Node | None) -> float | None:
     if not 0.0 <= value <= 1.0:
         raise node.where.error(
             "loop.delay",
-            f"{value:g} periods; a command acts 0 to 1 periods late; correct it, or write the rate "
-            "at which it is so",
+            f"{value:g} periods; a command acts 0 to 1 periods late; write a number in "
+            "[0, 1], or the rate at which it is so",
         )
     return value
 
@@ -231,7 +231,9 @@ def _positive(node: Node | None, field: str) -> float | None:
         return None
     value = parse_point(node, "frequency", field)
     if value <= 0:
-        raise node.where.error(field, f"{value:g} is not positive; it must be above 0; correct it")
+        raise node.where.error(
+            field, f"{value:g} is not positive; it must be above 0; write a positive number"
+        )
     return value
 
 

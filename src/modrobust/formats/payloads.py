@@ -75,7 +75,7 @@ def read_payload(model: PayloadModel, notes: list[str], field: str = "payload") 
                 raise edge.where.error(
                     edge.field,
                     f"{float(edge.ends()[0].middle):g} m is not positive; the edge of a box is "
-                    "above 0, its lower bound too; correct it",
+                    "above 0, its lower bound too; write a positive length",
                 )
         entries = box_body(masses.mass, size, model.size.where, f"{field}.size")
         xx, xy, xz, yy, yz, zz = (entry.quantity() for entry in entries)

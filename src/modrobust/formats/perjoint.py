@@ -89,7 +89,7 @@ class PerJoint:
             )
         if self.size and quantity.nominal < 0:
             raise node.where.error(
-                field, f"{quantity.nominal:g} is negative; it is at least 0; correct it"
+                field, f"{quantity.nominal:g} is negative; it is at least 0; write 0 or more"
             )
         return quantity
 

@@ -114,19 +114,23 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
     const double gain = kappa * rho_norm + phi; /* (7) */
     if (!isfinite(gain) || !isfinite(error)) return MR_NOT_FINITE;
     double *r = ws.dq_a_size, *v = ws.ddq_a_size; /* of no more use */
-    for (int32_t i = 0; i < n; ++i) {
-        const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]), rho = a > b ? a : b;
-        r[i] = ws.dq_a[i] - dq[i];
-        v[i] = gains->law == MR_LAW_COMPONENTWISE ? kappa * rho + phi : gain;
-    }
-    if (gains->hold_aware) {
-        status = allow_for_hold(model, gains, r, workspace, v);
-        if (status) return status;
+    if (gains->law == MR_LAW_NORM && !gains->hold_aware) { /* in one go: the quickest law */
+        for (int32_t i = 0; i < n; ++i) {
+            v[i] = gain * (ws.dq_a[i] - dq[i]);
+            if (!isfinite(ws.mid[i] + v[i])) return MR_NOT_FINITE;
+        }
     } else {
-        for (int32_t i = 0; i < n; ++i) v[i] *= r[i];
+        for (int32_t i = 0; i < n; ++i) {
+            const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]), rho = a > b ? a : b;
+            r[i] = ws.dq_a[i] - dq[i];
+            v[i] = gains->law == MR_LAW_COMPONENTWISE ? kappa * rho + phi : gain;
+            if (!gains->hold_aware) v[i] *= r[i];
+        }
+        status = gains->hold_aware ? allow_for_hold(model, gains, r, workspace, v) : MR_OK;
+        if (status) return status;
+        for (int32_t i = 0; i < n; ++i)
+            if (!isfinite(ws.mid[i] + v[i])) return MR_NOT_FINITE;
     }
-    for (int32_t i = 0; i < n; ++i)
-        if (!isfinite(ws.mid[i] + v[i])) return MR_NOT_FINITE;
 
     for (int32_t i = 0; i < n; ++i) {
         const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]);

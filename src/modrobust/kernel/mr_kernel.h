@@ -204,9 +204,9 @@ typedef struct {
     double integral;       /* of f(|e|) over time, e of (4) */
     double previous_f;     /* f at the previous command */
     double previous_time;  /* [s] */
-    int32_t started;       /* 0 before the first command; -1: that one starts from a q in memory */
-    double start_time;     /* of the first command [s] */
-    double *memory;        /* (mr_controller_memory_size) of sampled; NULL for the others */
+    int32_t started; /* 0 before the first command; -1: that one starts from a q in memory */
+    double start_time; /* of the first command [s] */
+    double *memory; /* (mr_controller_memory_size) of sampled; NULL for the others */
 } mr_controller_state;
 
 /* Number of doubles that the law `sampled` remembers: sigma of (33), the acceleration of (31), and
@@ -222,7 +222,7 @@ mr_status mr_tracking_error(const mr_model *model, const double *q, const double
 
 /* Arrays of n doubles that the caller provides. */
 typedef struct {
-    double *tau;     /* the command: nominal + v, cut at the limits by vector_saturation */
+    double *tau; /* the command: nominal + v, cut at the limits by vector_saturation */
     double *nominal; /* u0 */
     double *v;
     double *phi_lo;
@@ -231,7 +231,7 @@ typedef struct {
     double rho_norm;
     double kappa;
     double phi;
-    double alpha;    /* share of the feedback that the limits leave room for, (32); else 1 */
+    double alpha; /* share of the feedback that the limits leave room for, (32); else 1 */
 } mr_command_out;
 
 /* Number of doubles of working memory of mr_command, mr_workspace_size included. */
@@ -248,8 +248,8 @@ size_t mr_loop_workspace_size(const mr_model *model);
 /* How q and dq are measured, (28): with errors in a box, then in steps. */
 typedef struct {
     const double *noise_q, *noise_dq; /* (n) half widths of the box, or NULL */
-    const double *step_q, *step_dq;   /* (n) or NULL; 0 = none */
-    int32_t worst;        /* errors at the end of the box that hides r, instead of drawn ones */
+    const double *step_q, *step_dq; /* (n) or NULL; 0 = none */
+    int32_t worst; /* errors at the end of the box that hides r, instead of drawn ones */
     double filter; /* dq is differentiated from q, and this share of it taken; 0: measured */
     uint64_t random[2]; /* state of the generator, not both 0 */
     int32_t started;

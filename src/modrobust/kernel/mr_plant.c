@@ -74,7 +74,7 @@ void mr_push_away(const mr_bounds *bounds, int32_t n, const double *r, double *d
 }
 
 /* Memory of a step, in arrays of n. */
-enum { Q0, DQ0, Q1, DQ1, K_DQ, K_DDQ, SUM_DQ, SUM_DDQ, ARRAYS };
+enum { Q0, DQ0, Q1, DQ1, K_DQ, K_DDQ, SUM_DQ, SUM_DDQ, FAST, ARRAYS };
 
 size_t mr_plant_memory_size(const mr_model *model) {
     return ARRAYS * (size_t)model->n + 2 * (size_t)model->j * (size_t)model->j;
@@ -117,37 +117,111 @@ mr_status mr_explicit_step(const mr_model *model, const mr_parameters *parameter
     return MR_OK;
 }
 
-/* F_v + F_c / sqrt(dq^2 + v_c^2), by which friction (20) is linear in dq, of the n free joints with
- * what mimics them. */
-static void friction_slope(const mr_model *model, const mr_parameters *parameters,
-                           const double *dq, double *slope) {
+/* Of friction (20) along the n free joints, with what mimics them: the slope F_v + F_c / sqrt(dq^2 +
+ * v_c^2), by which it is linear in dq, and its derivative; returns the energy that it comes from. */
+static double friction_at(const mr_model *model, const mr_parameters *parameters, const double *dq,
+                          double *slope, double *derivative) {
     const int32_t n = model->n, mimic = model->j - model->n;
-    for (int32_t i = 0; i < n; ++i) slope[i] = 0.0;
+    double energy = 0.0;
+    for (int32_t i = 0; i < n; ++i) slope[i] = derivative[i] = 0.0;
     for (int32_t k = 0; k < n + mimic; ++k) {
         const int32_t joint = mimic ? model->moves[k] : k;
         const int32_t entry = k < n ? k : model->leader[k - n];
-        const double ratio = k < n ? 1.0 : model->multiplier[k - n];
+        const double ratio = k < n ? 1.0 : model->multiplier[k - n], square = ratio * ratio;
         const double rate = ratio * dq[entry], speed = model->coulomb_speed[joint];
-        double of_joint = parameters->viscous[joint];
-        if (parameters->coulomb[joint] != 0.0)
-            of_joint += parameters->coulomb[joint] / sqrt(rate * rate + speed * speed);
-        slope[entry] += ratio * ratio * of_joint;
+        const double viscous = parameters->viscous[joint], coulomb = parameters->coulomb[joint];
+        slope[entry] += square * viscous;
+        derivative[entry] += square * viscous;
+        energy += 0.5 * viscous * rate * rate;
+        if (coulomb == 0.0) continue;
+        const double root = sqrt(rate * rate + speed * speed), share = speed / root;
+        slope[entry] += square * (coulomb / root);
+        derivative[entry] += square * (coulomb / root * share * share);
+        energy += coulomb * root;
     }
+    return energy;
+}
+
+/* Least Coulomb speed of a joint that has such friction; 0 where none has. */
+static double least_speed(const mr_model *model, const mr_parameters *parameters) {
+    double least = HUGE_VAL;
+    for (int32_t k = 0; k < model->j; ++k)
+        if (parameters->coulomb[k] != 0.0 && model->coulomb_speed[k] < least)
+            least = model->coulomb_speed[k];
+    return least < HUGE_VAL ? least : 0.0;
+}
+
+/* 1/2 x' M x - fixed' x. */
+static double quadratic(int32_t n, const double *M, const double *fixed, const double *x) {
+    double sum = 0.0;
+    for (int32_t i = 0; i < n; ++i) {
+        double row = 0.0;
+        for (int32_t k = 0; k < n; ++k) row += M[i * n + k] * x[k];
+        sum += x[i] * (0.5 * row - fixed[i]);
+    }
+    return sum;
+}
+
+/* Solves (M + g diag(d)) x = x in place. */
+static mr_status solve_with(int32_t n, const double *M, double g, const double *d, double *factors,
+                            double *x) {
+    for (int32_t i = 0; i < n * n; ++i) factors[i] = M[i];
+    for (int32_t i = 0; i < n; ++i) factors[i * n + i] += g * d[i];
+    return mr_cholesky_solve(n, factors, x);
 }
 
 #define PASSES 2    /* over geometry and bias, which friction does not make stiff */
 #define SOLUTIONS 60 /* of the friction in one pass, at most */
-#define CLOSE 1e-10 /* of the largest speed and Coulomb speed together, between two solutions */
+#define CLOSE 1e-10 /* of largest speed and least Coulomb speed together, between two solutions */
 
-/* Solves dq1 = dq0 + g ddq(q0 + g dq1, dq1), the implicit stage. Friction (20) is a slope times the
- * velocity: M dq1 + g slope(dq1) dq1 = M dq0 + g (drive - bias), and repeating this with the slope
- * at the last dq1 goes down a convex function, wherever it starts. */
+/* Solves M x + g friction(x) = fixed from a first guess of x. Friction is a slope times the velocity:
+ * repeating this with the slope at the last x goes down a convex function, wherever it starts, but
+ * slowly where a light link breaks loose; Newton's step is taken where it goes down further. */
+static mr_status friction_stage(const mr_model *model, const mr_parameters *parameters, double g,
+                                const double *M, const double *fixed, double *factors,
+                                double *const *a, double *x) {
+    const int32_t n = model->n;
+    double *slope = a[K_DQ], *derivative = a[SUM_DDQ], *safe = a[K_DDQ], *fast = a[FAST];
+    double *spare = a[Q1]; /* of no more use in this pass */
+    const double close = least_speed(model, parameters);
+    for (int solution = 0; solution < SOLUTIONS; ++solution) {
+        double change = 0.0, largest = 0.0;
+        friction_at(model, parameters, x, slope, derivative);
+        for (int32_t i = 0; i < n; ++i) {
+            safe[i] = fast[i] = fixed[i];
+            for (int32_t k = 0; k < n; ++k) fast[i] -= M[i * n + k] * x[k];
+            fast[i] -= g * slope[i] * x[i];
+        }
+        const mr_status status = solve_with(n, M, g, slope, factors, safe);
+        if (status) return status;
+        if (!mr_all_finite(n, safe)) return MR_NOT_FINITE;
+        const double *next = safe;
+        if (!solve_with(n, M, g, derivative, factors, fast)) {
+            for (int32_t i = 0; i < n; ++i) fast[i] += x[i];
+            const double e_safe = quadratic(n, M, fixed, safe) +
+                                  g * friction_at(model, parameters, safe, slope, spare);
+            const double e_fast = quadratic(n, M, fixed, fast) +
+                                  g * friction_at(model, parameters, fast, slope, spare);
+            if (e_fast <= e_safe + 0x1p-50 * fabs(e_safe) && mr_all_finite(n, fast)) next = fast;
+        }
+        for (int32_t i = 0; i < n; ++i) {
+            const double step = fabs(next[i] - x[i]), size = fabs(next[i]);
+            if (step > change) change = step;
+            if (size > largest) largest = size;
+            x[i] = next[i];
+        }
+        if (change <= CLOSE * (largest + close)) break;
+    }
+    return MR_OK;
+}
+
+/* Solves dq1 = dq0 + g ddq(q0 + g dq1, dq1), the implicit stage: M dq1 + g friction(dq1) =
+ * M dq0 + g (drive - bias), M and bias at the last dq1. */
 static mr_status implicit_stage(const mr_model *model, const mr_parameters *parameters, double g,
                                 const double *drive, double *workspace, double *const *a,
                                 double *M, const double *q0, const double *dq0, double *dq1) {
     const int32_t n = model->n;
-    const size_t square = (size_t)model->j * (size_t)model->j;
-    double *q1 = a[Q1], *fixed = a[SUM_DQ], *slope = a[K_DQ], *x = a[K_DDQ], *factors = M + square;
+    double *q1 = a[Q1], *fixed = a[SUM_DQ];
     const mr_workspace ws = mr_workspace_view(model, workspace);
     for (int pass = 0; pass < PASSES; ++pass) {
         for (int32_t i = 0; i < n; ++i) {
@@ -166,25 +240,9 @@ static mr_status implicit_stage(const mr_model *model, const mr_parameters *para
             fixed[i] = g * (drive[i] - ws.mid[i]);
             for (int32_t k = 0; k < n; ++k) fixed[i] += M[i * n + k] * dq0[k];
         }
-        for (int solution = 0; solution < SOLUTIONS; ++solution) {
-            double change = 0.0, largest = 0.0;
-            friction_slope(model, parameters, dq1, slope);
-            for (int32_t i = 0; i < n * n; ++i) factors[i] = M[i];
-            for (int32_t i = 0; i < n; ++i) {
-                factors[i * n + i] += g * slope[i];
-                x[i] = fixed[i];
-            }
-            status = mr_cholesky_solve(n, factors, x);
-            if (status) return status;
-            if (!mr_all_finite(n, x)) return MR_NOT_FINITE;
-            for (int32_t i = 0; i < n; ++i) {
-                const double step = fabs(x[i] - dq1[i]), size = fabs(x[i]);
-                if (step > change) change = step;
-                if (size > largest) largest = size;
-                dq1[i] = x[i];
-            }
-            if (change <= CLOSE * (largest + model->coulomb_speed[0])) break;
-        }
+        double *factors = M + (size_t)model->j * (size_t)model->j;
+        status = friction_stage(model, parameters, g, M, fixed, factors, a, dq1);
+        if (status) return status;
     }
     return MR_OK;
 }

@@ -23,7 +23,7 @@ class ControllerSettings:
         kappa_P, kappa_I: Gains of kappa, not negative [s/rad], [1/rad^2].
         phi_P, phi_I: Gains of phi, not negative [N m s/rad], [N m/rad^2].
         epsilon: Norm of the tracking error within which the integral rests, positive [rad] or [m].
-        kappa_max, phi_max: Ceilings of kappa and phi, positive.
+        kappa_max, phi_max: Ceilings of kappa and phi, positive [s/rad], [N m s/rad].
         leak: How fast the integral of kappa and phi decays [1/s].
         hold_aware: Whether ``norm`` and ``componentwise`` allow for the hold.
         G, Lambda, L_i: Gains of ``sampled`` [1/s], [1/s], [1/s^2]; None for the other laws.
@@ -60,12 +60,12 @@ class LoopSettings:
 
     Args:
         rate: Commands a second [Hz]; each is held until the next takes its place.
-        delay: How late a command acts, in periods, 0 to 1.
+        delay: How late a command acts, in periods, 0 to 1 [1].
         noise_position, noise_velocity: Largest error of the measured q and dq, n of each [rad],
             [rad/s] or [m], [m/s]; empty where there is none.
         noise: ``"uniform"`` in that box, or ``"worst"``: always at the end that hides the error.
-        quantisation_position, quantisation_velocity: Steps of the measured q and dq, n of each;
-            empty where there are none.
+        quantisation_position, quantisation_velocity: Steps of the measured q and dq, n of each
+            [rad], [rad/s] or [m], [m/s]; empty where there are none.
         velocity: ``"measured"``, or ``"differentiated"`` from the measured q.
         filter: Corner of the first-order filter of a differentiated velocity [Hz].
         saturation: Whether the drive cuts torques at the effort limits.

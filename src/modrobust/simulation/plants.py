@@ -27,6 +27,7 @@ from modrobust.model import Parameters, Robot
 BUILTIN = "builtin"
 _SHARE, _PASSES, _SOLUTIONS = 1.0 - 0.5**0.5, 2, 60  # of the implicit step, as in mr_plant.c
 _OUT_OF_RANGE = 1e10  # [rad] or [m], as MuJoCo has it
+_TOO_FAST = 1e100  # [rad/s] or [m/s], before squares overflow
 
 
 class Plant(Protocol):
@@ -52,7 +53,8 @@ class _EnginePlant:
         self._G[robot.mimic.joints, robot.mimic.leaders] = robot.mimic.multiplier
         self._viscous, self._coulomb = parameters.viscous, parameters.coulomb
         self._speed2 = robot.coulomb_speed**2
-        self._close = 1e-10 * float(robot.coulomb_speed.min())
+        speeds = robot.coulomb_speed[parameters.coulomb != 0.0]
+        self._close = 1e-10 * float(speeds.min(initial=np.inf)) if len(speeds) else 0.0
         self._implicit = implicit
 
     def _rigid(self, q: Array, rates: Array) -> tuple[Array, Array]:
@@ -67,6 +69,8 @@ class _EnginePlant:
 
     def _free(self, q: Array, dq: Array) -> tuple[Array, Array, Array]:
         """M (n, n) and bias (n,) of the free joints, and the slope of friction along dq, (n,)."""
+        if not ((np.abs(q) < _OUT_OF_RANGE).all() and (np.abs(dq) < _TOO_FAST).all()):
+            raise _kernel.KernelError(_kernel.STATUS_DIVERGED)
         rates = self._G @ dq
         M, bias = self._rigid(self._positions(q), rates)
         return self._G.T @ M @ self._G, self._G.T @ bias, self._slope(dq)
@@ -76,6 +80,15 @@ class _EnginePlant:
         rates = self._G @ dq
         slope = self._viscous + self._coulomb / np.sqrt(rates * rates + self._speed2)
         return np.asarray(slope @ self._G**2)
+
+    def _derivative(self, dq: Array) -> Array:
+        """Of friction (20), of the free joints."""
+        rates = self._G @ dq
+        root2 = rates * rates + self._speed2
+        coulomb = np.divide(
+            self._coulomb * self._speed2, root2**1.5, out=np.zeros(len(rates)), where=root2 > 0.0
+        )
+        return np.asarray((self._viscous + coulomb) @ self._G**2)
 
     def _acceleration(self, q: Array, dq: Array, drive: Array) -> Array:
         M, bias, slope = self._free(q, dq)
@@ -96,11 +109,28 @@ class _EnginePlant:
             M, bias, _ = self._free(q0 + g * dq1, dq1)
             fixed = M @ dq0 + g * (drive - bias)
             for _ in range(_SOLUTIONS):
-                found = np.linalg.solve(M + np.diag(g * self._slope(dq1)), fixed)
-                change, dq1 = float(np.abs(found - dq1).max()), np.asarray(found)
+                found = self._friction_step(M, fixed, g, dq1)
+                change, dq1 = float(np.abs(found - dq1).max()), found
                 if not change > 1e-10 * float(np.abs(dq1).max()) + self._close:
                     break
         return dq1
+
+    def _friction_step(self, M: Array, fixed: Array, g: float, x: Array) -> Array:
+        """A better x for M x + g friction(x) = fixed, as ``friction_stage`` finds it."""
+        slope, derivative = self._slope(x), self._derivative(x)
+        safe = np.linalg.solve(M + np.diag(g * slope), fixed)
+        residual = fixed - M @ x - g * slope * x
+        fast = x + np.linalg.solve(M + np.diag(g * derivative), residual)
+
+        def energy(x: Array) -> float:
+            rates = self._G @ x
+            root = np.sqrt(rates * rates + self._speed2)
+            friction = 0.5 * self._viscous @ (rates * rates) + self._coulomb @ root
+            return float(x @ (0.5 * M @ x - fixed) + g * friction)
+
+        e_safe = energy(np.asarray(safe))
+        better = energy(np.asarray(fast)) <= e_safe + 2.0**-50 * abs(e_safe)
+        return np.asarray(fast if better else safe)
 
 
 class MujocoPlant(_EnginePlant):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,10 +9,12 @@ import numpy as np
 
 from modrobust import _kernel
 from modrobust.checks.types import Array
+from modrobust.design.choice import measured_noise
 from modrobust.design.points import central_parameters, light_parameters
 from modrobust.model import ControllerSettings, LoopSettings, Robot
 from modrobust.simulation.metrics import CHATTERING_LIMIT
 
+_LOOKED_AT = 17  # positions at which noise is judged
 _TOUCH = 1e-6  # of the limit: a motion up to the limit itself is fine
 
 
@@ -95,11 +96,15 @@ def _restless(
 ) -> Iterator[str]:
     """Where ticks are logged: torques that move more from tick to tick than the noise explains."""
     period = 1.0 / loop.rate
-    explained = noise_step(robot, controller, loop, q[-1]) if len(t) > 2 else None
-    if explained is None or abs(t[1] - t[0] - period) > 0.01 * period:
+    if len(t) < 3 or abs(t[1] - t[0] - period) > 0.01 * period:
+        return
+    half = len(t) // 2
+    looked_at = q[np.linspace(half, len(t) - 1, min(_LOOKED_AT, len(t) - half)).astype(int)]
+    explained = noise_step(robot, controller, loop, looked_at)
+    if explained is None:
         return
     step = np.abs(np.diff(tau, axis=0))
-    late = step[len(step) // 2 :].mean(axis=0)
+    late = step[half:].mean(axis=0)
     share = late / np.where(explained > 0.0, explained, np.inf)
     worst = int(np.argmax(share))
     if share[worst] > 1.0:
@@ -111,45 +116,42 @@ def _restless(
 
 
 def noise_step(
-    robot: Robot, controller: ControllerSettings, loop: LoopSettings, q: Array
+    robot: Robot, controller: ControllerSettings, loop: LoopSettings, positions: Array
 ) -> Array | None:
-    r"""Largest step of each torque from one tick to the next that noise explains, ``(n,)``.
+    r"""Step of each torque from one tick to the next that noise explains, ``(n,)`` [N m] or [N].
 
-    .. math:: 3\sqrt{2/3}\;\big\|\,\mathrm{row}_i\,M_s\,
-              ((G + \Lambda) N_v + (G + \Lambda) D T N_v + G \Lambda N_q)\big\|
+    .. math::
+       3\sqrt{\tfrac23 \big/ (1 - D T (G + \Lambda) - \tfrac12 D^2 T^2 G \Lambda)}\;
+       \max_q \big\|\,\mathrm{row}_i\,M_s(q)\,
+       ((G + \Lambda + G \Lambda D T) N_v + G \Lambda N_q)\big\|
 
     three standard deviations of the difference of two uniform errors through the gains of the law
-    ``sampled``; None for the other laws.
+    ``sampled``, whose predictor feeds the last command back; None for the other laws.
+
+    Args:
+        robot: Robot with n joints.
+        controller: Its settings.
+        loop: What is measured, and how late commands act.
+        positions: Where M_s is looked at, ``(k, n)`` [rad] or [m].
+
+    Source: our own, from (31) and (32).
     """
     if controller.law != "sampled" or controller.G is None or controller.Lambda is None:
         return None
     light = light_parameters(robot, central_parameters(robot))
+    position, velocity = measured_noise(loop, robot.n)
+    both, product = controller.G + controller.Lambda, controller.G * controller.Lambda
+    late = loop.delay / loop.rate
+    each = (both + product * late) * velocity + product * position
+    fed_back = late * both + 0.5 * late * late * product if controller.predictor else 0.0
     try:
-        M = _kernel.mass_matrix(robot.model, light.packed, q, True)
+        rows = [
+            np.linalg.norm(_kernel.mass_matrix(robot.model, light.packed, q, True) * each, axis=1)
+            for q in np.ascontiguousarray(positions)
+        ]
     except _kernel.KernelError:
         return None
-    position, velocity = measurement_errors(robot.n, loop)
-    G, Lambda = controller.G, controller.Lambda
-    late = loop.delay / loop.rate
-    each = (G + Lambda + G * Lambda * late) * velocity + G * Lambda * position
-    return np.asarray(3.0 * np.sqrt(2.0 / 3.0) * np.linalg.norm(M * each, axis=1))
-
-
-def measurement_errors(n: int, loop: LoopSettings) -> tuple[Array, Array]:
-    """Half widths of the errors of q and dq, ``(n,)`` each: noise and half a step."""
-
-    def size(noise: tuple[float, ...], step: tuple[float, ...]) -> Array:
-        none = np.zeros(n)
-        return np.asarray(
-            (np.array(noise) if noise else none) + (np.array(step) if step else none) / 2
-        )
-
-    position = size(loop.noise_position, loop.quantisation_position)
-    velocity = size(loop.noise_velocity, loop.quantisation_velocity)
-    if loop.velocity == "differentiated":
-        share = -math.expm1(-2.0 * math.pi * loop.filter / loop.rate)
-        velocity = 2.0 * position * loop.rate * share
-    return position, velocity
+    return np.asarray(3.0 * np.sqrt(2.0 / 3.0 / max(1.0 - fed_back, 0.1)) * np.max(rows, axis=0))
 
 
 def _overruns(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -189,7 +189,10 @@ class SimulationResult:
         """
         if len(self.t) == 0:
             return np.zeros(0)
-        controller = RobustController(self.robot, loop=self.loop, **vars(self.controller))
+        robot = replace(
+            self.robot, loop=self.loop
+        )  # given as such, a slow rate would be told twice
+        controller = RobustController(robot, **vars(self.controller))
         inputs = (self.q, self.dq, self.q_des, self.dq_des, self.ddq_des)
         try:
             controller.time_commands(self.t[:1000], *(x[:1000] for x in inputs))

@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 import sys
 import time
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,8 +24,8 @@ from numpy.typing import ArrayLike
 from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_number, did_you_mean
 from modrobust.checks.types import Array
-from modrobust.control import ControllerOptions, RateWarning, RobustController, settings_dict
-from modrobust.control.settings import kernel_loop, loop_dict
+from modrobust.control import ControllerOptions, RobustController, settings_dict
+from modrobust.control.settings import checked_loop, kernel_loop, loop_dict
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
 from modrobust.model import LoopSettings, Parameters, Robot
@@ -157,7 +156,7 @@ def simulate(
             given at the last whole tick within it. It does not change the motion: a shorter run is
             its first part (``cut_short``), in a longer one its last pose is held.
         rate: Commands a second [Hz]; each is held until the next.
-        delay: How late a command acts, in periods, 0 to 1.
+        delay: How late a command acts, in periods, 0 to 1 [1].
         loop: The whole loop, instead of the robot's; rate and delay are laid over it.
         substeps: Steps of the integrator between two commands, by Runge-Kutta's method. None = as
             many as the robot needs, and an implicit method where friction is too stiff for that.
@@ -185,11 +184,8 @@ def simulate(
     scenario = None if scenario is None else str(scenario)
     seed = as_integer("seed", seed, 0)
     motion = make_trajectory(robot, trajectory)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RateWarning)  # a remark of the run says it
-        controller = RobustController(
-            robot, rate=rate, delay=delay, loop=loop, motion=motion, **options
-        )
+    asked = checked_loop(robot, loop, rate, delay)
+    controller = RobustController(robot, loop=asked, motion=motion, **options)
     settled, need = controller.loop, controller.rate_need
     truth = true_robot(robot, parameters, scenario, seed, disturbance)
     if duration is not None:

@@ -95,10 +95,13 @@ def test_an_armature_gives_way_to_it_with_a_remark(tmp_path: Path) -> None:
             "drive: rotor_inertia without gear_ratio; the joint feels the rotor through the gear; "
             "add gear_ratio (1 for a direct drive)",
         ),
-        ("gear_ratio=0", "drive.gear_ratio: 0 is not positive; it must be above 0; correct it"),
+        (
+            "gear_ratio=0",
+            "drive.gear_ratio: 0 is not positive; it must be above 0; write a positive number",
+        ),
         ("gear_ratio=100 ± 1%", 'drive.gear_ratio: "100 ± 1%" has bounds; this field takes none'),
-        ("viscous=1 ± 2", "drive.viscous: lower bound -1 is negative; it is at least 0; correct"),
-        ("coulomb=-1", "drive.coulomb: -1 is negative; it is at least 0; correct it"),
+        ("viscous=1 ± 2", "drive.viscous: lower bound -1 is negative; it is at least 0; write"),
+        ("coulomb=-1", "drive.coulomb: -1 is negative; it is at least 0; write 0 or more"),
         ("coulomb=1 kg", 'drive.coulomb: "1 kg" has the unit "kg"; a torque [N m] or a force [N]'),
         (
             "viscous=1 N s/m",

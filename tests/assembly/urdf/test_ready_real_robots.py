@@ -72,7 +72,7 @@ def test_the_robot_follows_its_own_motion(name: str) -> None:
     assert result.statistics.violations == 0
     assert np.linalg.norm(result.q_des[0] - result.q[0]) > result.controller.epsilon
     assert result.epsilon_entered_at is not None
-    assert 0 < result.epsilon_entered_at < 0.1
+    assert 0 < result.epsilon_entered_at < result.controller.blend
 
 
 def test_the_second_finger_of_the_panda_follows_the_first() -> None:

@@ -440,3 +440,8 @@ def test_branches_of_a_robot_hang_on_the_link_that_they_leave(tmp_path: Path) ->
     arm: object = ("b", [("c", [])])
     other: object = ("d", [("e", []), ("f", [])])
     assert shown(loaded.modules) == [("base", []), ("a", [arm, other])]
+
+
+def test_the_law_of_a_urdf_alone_is_auto(tmp_path: Path) -> None:
+    loaded = mr.load_robot(written(tmp_path, two_links()))
+    assert (loaded.controller.law, loaded.controller.epsilon) == ("auto", 0.01)

@@ -172,7 +172,8 @@ def by_native(native: Native, state: State) -> dict[str, Any]:
         out |= {f"{law} u{k}": answer for k, answer in enumerate(commands)}
     for name, (law, *how) in LOOPS.items():
         made = controller_of(native.robot, law)
-        status, found = native.loop(made, (q, dq), loop_motion(state), *how)
+        loop: Any = native.loop
+        status, found = loop(made, (q, dq), loop_motion(state), *how)
         out[f"loop {name}"] = 0, in_one(status, found)
     out["frames"] = native.forward_kinematics(q)
     return out
