@@ -2,6 +2,7 @@
 # make docs: the manual, in build/site; make docs-outputs: its commands' outputs, made again.
 # make coverage: the whole suite, and what of the Python and of the C it leaves out.
 # make dist: sdist and a wheel for each Python here, each tried in an empty environment.
+# make tournament: laws on 22 robots, hours; goes on where it was stopped; docs/measured/tournament.md.
 # make fuzz: both fuzz targets for FUZZ_SECONDS each; what they learn and find stays in build/fuzz.
 PYTHON ?= python3
 VENV := .venv
@@ -26,7 +27,7 @@ PACKAGES := $(abspath $(VENV))/lib/python*/site-packages
 PARALLEL := -n auto --dist worksteal
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint format build coverage coverage-python coverage-c dist docs docs-outputs fuzz clean
+.PHONY: demo test lint format build coverage coverage-python coverage-c dist docs docs-outputs tournament fuzz clean
 
 demo: $(VENV)/.installed
 	$(BIN)/modrobust simulate lwa4p-paper --scenario 1
@@ -87,6 +88,9 @@ docs: $(VENV)/.installed-docs
 
 docs-outputs: $(VENV)/.installed-test
 	PYTHONPATH=tests $(BIN)/python tools/manual_outputs.py
+
+tournament: $(VENV)/.installed-test
+	$(BIN)/python benchmarks/tournament.py --page
 
 fuzz: $(VENV)/.installed-test
 	$(BIN)/python tests/fuzz/readers_fuzz.py build/fuzz/readers --seconds $(FUZZ_SECONDS)

@@ -226,11 +226,6 @@ def paper_lines() -> list[Line]:
     return lines
 
 
-def is_of(variant: Variant, delay: float, law: str) -> bool:
-    """Whether a variant has this delay and law."""
-    return variant.delay == delay and variant.law == law
-
-
 def law_rows() -> list[list[str]]:
     """Other laws beside the automatic one, with the files' old gains."""
     rows = []
@@ -238,7 +233,7 @@ def law_rows() -> list[list[str]]:
         loop = f"delay {delay:g}, {'noise' if noise else 'no noise'}"
         parts = {"sampled (auto)": records("own" if noise else "plain")}
         for law in LAWS:
-            parts[law] = records("laws", partial(is_of, delay=delay, law=law))
+            parts[law] = records("laws", partial(_is, delay=delay, law=law))
         for law, by_robot in parts.items():
             found = flat(by_robot)
             if not found:
@@ -254,6 +249,10 @@ def law_rows() -> list[list[str]]:
                 ]
             )
     return rows
+
+
+def _is(variant: Variant, delay: float, law: str) -> bool:
+    return variant.delay == delay and variant.law == law
 
 
 def robot_rows() -> list[list[str]]:

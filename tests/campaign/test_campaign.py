@@ -32,8 +32,13 @@ def robot() -> Robot:
 
 @pytest.fixture(scope="module")
 def loop(robot: Robot) -> LoopSettings:
-    noise: Any = {"noise_position": (1e-4,) * robot.n, "noise_velocity": (1e-2,) * robot.n}
-    return replace(LoopSettings(rate=500.0, delay=1.0, saturation=True), **noise)
+    return LoopSettings(
+        rate=500.0,
+        delay=1.0,
+        saturation=True,
+        noise_position=(1e-4,) * robot.n,
+        noise_velocity=(1e-2,) * robot.n,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +113,8 @@ def test_what_ctrl_c_leaves_is_the_runs_that_were_done(
 def test_a_run_whose_process_is_killed_is_done_by_another(
     robot: Robot, loop: LoopSettings, alone: Campaign, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked, killed = of_workers._asked, list[int]()
+    asked = of_workers._asked
+    killed: list[int] = []
 
     def kill_once(process: subprocess.Popen[bytes], index: int) -> tuple[str, Any]:
         if index == 1 and not killed:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
 
 import numpy as np
 import pytest
@@ -42,16 +41,16 @@ def test_another_seed_shuffles_the_kinds_otherwise() -> None:
 
 
 def test_a_loop_without_noise_has_no_kind_of_it() -> None:
-    plan: Any = checked_plan
     robot = mr.load_robot("scara")
-    quiet = plan(robot, LoopSettings(), 0, *_KINDS, 0.005)
     noisy = LoopSettings(noise_position=(1e-4,) * robot.n)
+    kinds = PARAMETERS, tuple(DISTURBANCES), NOISES, MOTIONS
+    quiet, loud = (
+        checked_plan(robot, loop, 0, *kinds, initial_error=0.005)
+        for loop in (LoopSettings(), noisy)
+    )
     assert quiet.noises == ("none",)
-    assert plan(robot, noisy, 0, *_KINDS, 0.005).noises == NOISES
+    assert loud.noises == NOISES
     assert quiet.run(0).loop(LoopSettings(rate=500.0)).rate == 500.0
-
-
-_KINDS: tuple[Any, ...] = (PARAMETERS, tuple(DISTURBANCES), NOISES, MOTIONS)
 
 
 @pytest.mark.parametrize("time", [1.0, 10.0])

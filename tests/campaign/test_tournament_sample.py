@@ -54,11 +54,12 @@ SLOW = pytest.mark.xfail(reason="UR10 with 0 to 10 kg, 250 Hz and a period late"
 )
 def test_nothing_diverges_and_all_is_good(name: str, rate: float) -> None:
     robot = loaded(name)
-    noise: Any = {"noise_position": (1e-4,) * robot.n, "noise_velocity": (1e-2,) * robot.n}
+    position, velocity = (1e-4,) * robot.n, (1e-2,) * robot.n
     first = ROBOTS.index(name) + RATES.index(rate)
     for k, (delay, noisy) in enumerate(itertools.product((0.0, 1.0), (False, True))):
         loop = LoopSettings(rate=rate, delay=delay, saturation=True)
-        loop = replace(loop, **noise) if noisy else loop
+        if noisy:
+            loop = replace(loop, noise_position=position, noise_velocity=velocity)
         found = campaign(
             *(robot,),
             only=(first + k) % 4,

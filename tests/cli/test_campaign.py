@@ -76,7 +76,7 @@ def test_a_run_that_is_bad_is_the_exit_code(run: Run) -> None:
     norm = ("lwa4p", "--law", "norm", "--rate", "1kHz", "--motions", "own", "--only", "0")
     done = run("campaign", *norm)
     assert done.returncode == 1
-    assert "tried, not proved: of 1 runs, 1 diverged" in done.stdout
+    assert "tried, not proved: of 1 run, 1 diverged" in done.stdout
 
 
 @pytest.mark.parametrize(

@@ -66,7 +66,7 @@ def verdict(records: Sequence[Record], wanted: int, epsilon: float) -> str:
     if missed:
         parts.append(f"{missed} did not stay below epsilon = {epsilon:g}")
     if parts:
-        return f"{opening}of {count} runs, {', '.join(parts)}"
+        return f"{opening}of {count} run{'s' * (count != 1)}, {', '.join(parts)}"
     every = "the run" if count == 1 else f"every one of {count} runs"
     return f"{opening}{every} kept the bound and stayed below epsilon = {epsilon:g}"
 

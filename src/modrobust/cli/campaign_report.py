@@ -21,9 +21,11 @@ def print_start(done: Campaign) -> None:
     gains = f", G = {settings.G:g}/s" if settings.G is not None else ""
     engine = "" if job.plant == "builtin" else f", plant {job.plant}"
     noisy = "no noise" if job.plan.noises == ("none",) else "noise"
+    count = len(done.records)
+    runs = f"{count} run{'s' * (count != 1)}"
     show(
-        f"{job.robot.name}: {len(done.records)} runs at {rate}, delay {loop.delay:g}, {noisy}; law "
-        f"{settings.law}{gains}{engine}",
+        f"{job.robot.name}: {runs} at {rate}, delay {loop.delay:g}, {noisy}; law {settings.law}"
+        f"{gains}{engine}",
         style="bold",
     )
 
