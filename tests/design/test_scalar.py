@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from modrobust.design.scalar import MARGIN, Timing, compliance, matrices, stable_gain
+from modrobust.design.scalar import MARGIN, LoopTiming, compliance, matrices, stable_gain
 from modrobust.design.spectra import Spectra
 
 ONE = Spectra((1.0, 1.0), (1.0, 1.0), 1.0)
@@ -46,7 +46,7 @@ def played(G, pi, xi, T, D, ticks, L_i=0.0, corner=None, b=0.0):
 @pytest.mark.parametrize("rate", [250.0, 1000.0, 4000.0])
 @pytest.mark.parametrize("pi_2", [0.9, 1.0, 1.6])
 def test_without_delay_the_loop_is_stable_at_nearly_twice_the_gain_and_not_above(rate, pi_2):
-    timing = Timing(1.0 / rate, 0.0)
+    timing = LoopTiming(1.0 / rate, 0.0)
     G = stable_gain(Spectra((0.5, pi_2), (0.5, pi_2), 0.5), timing)
     assert pytest.approx(1.328 / MARGIN * rate / max(pi_2, 1.0)) == G
     heaviest = max(pi_2, 1.0)
@@ -63,7 +63,7 @@ def test_without_delay_the_loop_is_stable_at_nearly_twice_the_gain_and_not_above
     ("delay", "corner"), [(1.0, None), (0.4, None), (0.0, 100.0), (1.0, 100.0)]
 )
 def test_twice_the_gain_is_the_border_for_the_worst_mode(spectra, delay, corner):
-    timing = Timing(1e-3, delay, corner)
+    timing = LoopTiming(1e-3, delay, corner)
     G = stable_gain(spectra, timing)
     least, most = spectra.light
     modes = [
@@ -80,7 +80,7 @@ def test_twice_the_gain_is_the_border_for_the_worst_mode(spectra, delay, corner)
 @pytest.mark.parametrize(("delay", "corner"), [(0.0, None), (0.3, None), (1.0, None), (1.0, 80.0)])
 def test_the_matrices_are_the_loop_tick_by_tick(delay, corner):
     G, T, L_i, pi, xi = 120.0, 1e-3, 700.0, 0.7, 0.6
-    A = matrices(G, np.array([pi]), np.array([xi]), Timing(T, delay, corner), L_i)[0]
+    A = matrices(G, np.array([pi]), np.array([xi]), LoopTiming(T, delay, corner), L_i)[0]
     x = np.array([0.01, 0.0, 0.0, 0.0, 0.0])
     if corner is not None:  # v of a filter at rest on this error
         x[3] = -(1.0 - math.exp(-2.0 * math.pi * corner * T)) * 0.01 / T
@@ -91,7 +91,7 @@ def test_the_matrices_are_the_loop_tick_by_tick(delay, corner):
 
 
 def test_the_delays_gain_follows_the_one_without_delay_continuously():
-    gains = [stable_gain(NARROW, Timing(1e-3, d)) for d in (0.0, 1e-6, 0.1, 0.5, 1.0)]
+    gains = [stable_gain(NARROW, LoopTiming(1e-3, d)) for d in (0.0, 1e-6, 0.1, 0.5, 1.0)]
     assert gains[1] == pytest.approx(gains[0], rel=0.01)
     assert min(gains) == gains[-1]
 
@@ -99,13 +99,13 @@ def test_the_delays_gain_follows_the_one_without_delay_continuously():
 @pytest.mark.parametrize("spectra", [ONE, WIDE, NARROW])
 @pytest.mark.parametrize("delay", [0.0, 0.5, 1.0])
 def test_gain_times_period_is_the_same_at_every_rate(spectra, delay):
-    gains = [stable_gain(spectra, Timing(1.0 / rate, delay)) / rate for rate in (250.0, 4000.0)]
+    gains = [stable_gain(spectra, LoopTiming(1.0 / rate, delay)) / rate for rate in (250.0, 4000.0)]
     assert gains[0] == pytest.approx(gains[1], rel=1e-12)
 
 
 def test_a_slow_filter_costs_gain():
     measured, quick, slow = (
-        stable_gain(NARROW, Timing(1e-3, 1.0, corner)) for corner in (None, 200.0, 50.0)
+        stable_gain(NARROW, LoopTiming(1e-3, 1.0, corner)) for corner in (None, 200.0, 50.0)
     )
     assert slow < quick < measured
 
@@ -113,7 +113,7 @@ def test_a_slow_filter_costs_gain():
 def test_a_steady_push_moves_a_loop_without_integral_by_two_over_the_square_of_the_gain():
     pi = np.array([0.4])
     G = 80.0
-    assert compliance(G, 0.0, pi, pi, Timing(1e-3, 0.0), 1e-6) == pytest.approx(
+    assert compliance(G, 0.0, pi, pi, LoopTiming(1e-3, 0.0), 1e-6) == pytest.approx(
         2.0 / G**2, rel=1e-3
     )
     settled = played(G, 0.4, 0.4, 1e-3, 0.0, 3000, b=5.0)[-1]
@@ -123,7 +123,7 @@ def test_a_steady_push_moves_a_loop_without_integral_by_two_over_the_square_of_t
 def test_a_sine_moves_the_loop_as_far_as_its_response_says():
     G, L_i, T, omega = 60.0, 180.0, 1e-3, 6.0
     pi, xi = np.array([0.7]), np.array([0.9])
-    timing = Timing(T, 1.0)
+    timing = LoopTiming(T, 1.0)
     A = matrices(G, pi, xi, timing, L_i)[0]
     x, seen = np.zeros(5), []
     for k in range(8000):
@@ -135,6 +135,6 @@ def test_a_sine_moves_the_loop_as_far_as_its_response_says():
 
 def test_the_integral_takes_a_slow_push_away():
     pi = np.array([1.0])
-    timing = Timing(1e-3, 0.0)
+    timing = LoopTiming(1e-3, 0.0)
     without, with_it = (compliance(100.0, L_i, pi, pi, timing, 0.1) for L_i in (0.0, 500.0))
     assert with_it < 0.05 * without

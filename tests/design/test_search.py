@@ -13,7 +13,7 @@ from modrobust.design import central_parameters, light_parameters
 from modrobust.design.box import Box, lifted
 from modrobust.design.need import need
 from modrobust.design.spectra import spectra
-from modrobust.design.states import States, configurations, states_of_any_motion
+from modrobust.design.states import MotionStates, configurations, states_of_any_motion
 from modrobust.design.twists import (
     Weights,
     jacobians,
@@ -206,7 +206,7 @@ def test_the_need_of_a_known_robot_is_its_disturbance():
     exact = replace(robot, lower=robot.nominal, upper=robot.nominal, disturbance=d)
     centre = central_parameters(exact)
     q = configurations(exact, 3)
-    states = States(q, 0.0 * q, 0.0 * q, "rest")
+    states = MotionStates(q, 0.0 * q, 0.0 * q, "rest")
     M_s = _light_mass(exact, centre, states)
     found = need(exact, centre, M_s, states)
     expected = max(np.linalg.norm(np.abs(np.linalg.inv(M)) @ np.full(robot.n, 3.0)) for M in M_s)
@@ -222,7 +222,7 @@ def test_friction_counts_twice_with_half_its_width():
     box = replace(robot, lower=p, upper=replace(p, coulomb=p.coulomb + spread), scenarios={})
     centre = central_parameters(box)
     q = configurations(box, 3)
-    states = States(q, 0.0 * q, 0.0 * q, "rest")
+    states = MotionStates(q, 0.0 * q, 0.0 * q, "rest")
     M_s = _light_mass(box, centre, states)
     found = need(box, centre, M_s, states)
     expected = max(np.linalg.norm(np.abs(np.linalg.inv(M)) @ np.full(robot.n, 2.0)) for M in M_s)
@@ -246,8 +246,8 @@ def test_states_of_any_motion_stay_inside_limits_and_torques(name):
 
 def test_half_the_speed_is_half_the_pace():
     q = np.ones((2, 3))
-    states = States(q, 2.0 * q, 6.0 * q, "a motion")
+    states = MotionStates(q, 2.0 * q, 6.0 * q, "a motion")
     assert states.pace == pytest.approx(3.0)
     assert states.at_speed(0.5).pace == pytest.approx(1.5)
     np.testing.assert_allclose(states.at_speed(0.5).ddq, 1.5)
-    assert States(q, 0.0 * q, 0.0 * q, "rest").pace == 0.0
+    assert MotionStates(q, 0.0 * q, 0.0 * q, "rest").pace == 0.0

@@ -29,9 +29,8 @@ def robot() -> Robot:
 
 
 def said(robot: Robot, q: Any = STILL, dq: Any = STILL, noisy: Any = None) -> list[str]:
-    q, dq = np.array(q), np.array(dq)
-    settings = robot.controller, robot.loop
-    return remarks(robot, *settings, 0.2, T, q, dq, np.zeros_like(q), noisy)
+    logged = np.array(q), np.array(dq), np.zeros((3, 2))
+    return remarks(robot, robot.controller, robot.loop, 0.2, T, *logged, noisy)
 
 
 def noisy_run(tau_step: float) -> tuple[Robot, list[str]]:
@@ -42,7 +41,7 @@ def noisy_run(tau_step: float) -> tuple[Robot, list[str]]:
     t = np.arange(40) * 1e-3
     tau = np.zeros((40, 2))
     tau[1::2, 0] = tau_step
-    still: Any = np.zeros((40, 2))
+    still = np.zeros((40, 2))
     return arm, remarks(arm, gains, loop, 0.04, t, still, still, tau, np.full(2, 99.0))
 
 

@@ -16,9 +16,9 @@ from modrobust import _kernel
 from modrobust.checks.types import Array
 from modrobust.design.need import Need, need
 from modrobust.design.points import central_parameters, light_parameters
-from modrobust.design.scalar import LAMBDA, Timing, stable_gain
+from modrobust.design.scalar import LAMBDA, LoopTiming, stable_gain
 from modrobust.design.spectra import Spectra, spectra
-from modrobust.design.states import States
+from modrobust.design.states import MotionStates
 from modrobust.model import LoopSettings, Parameters, Robot
 
 FLOOR = 20.0  # [1/s]: a slower loop would hardly follow a motion
@@ -30,7 +30,7 @@ _ROUNDS = 60
 
 
 @dataclass(frozen=True)
-class Choice:
+class GainChoice:
     """What the rule found for a robot, a loop, a set of states and an epsilon."""
 
     central: Parameters
@@ -74,10 +74,10 @@ class Choice:
 def choose(
     robot: Robot,
     loop: LoopSettings,
-    states: States,
+    states: MotionStates,
     epsilon: float,
-    known: Choice | None = None,
-) -> Choice:
+    known: GainChoice | None = None,
+) -> GainChoice:
     """The rule (35) for checked arguments.
 
     Args:
@@ -102,7 +102,7 @@ def choose(
     stability = stable_gain(found, timing(loop))
     noise = noise_gain(M_s, robot.effort_limits, loop)
     limit = min(stability, noise)
-    return Choice(
+    return GainChoice(
         central,
         light,
         found,
@@ -115,10 +115,10 @@ def choose(
     )
 
 
-def timing(loop: LoopSettings) -> Timing:
+def timing(loop: LoopSettings) -> LoopTiming:
     """What a loop's stability depends on."""
     corner = loop.filter if loop.velocity == "differentiated" else None
-    return Timing(1.0 / loop.rate, loop.delay, corner)
+    return LoopTiming(1.0 / loop.rate, loop.delay, corner)
 
 
 def integral_gain(G: float, found: Spectra) -> float:

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from modrobust.checks import as_number
-from modrobust.design.choice import Choice, choose, integral_gain, measured_noise, timing
+from modrobust.design.choice import GainChoice, choose, integral_gain, measured_noise, timing
 from modrobust.design.need import Need
 from modrobust.design.points import central_parameters
 from modrobust.design.remedies import Help, remedies
-from modrobust.design.scalar import LAMBDA, Timing, compliance
+from modrobust.design.scalar import LAMBDA, LoopTiming, compliance
 from modrobust.design.spectra import Spectra
-from modrobust.design.states import States, states_along, states_of_any_motion
+from modrobust.design.states import MotionStates, states_along, states_of_any_motion
 from modrobust.dynamics import mass_matrix
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
@@ -78,9 +78,9 @@ class Design:
     """What a user should know of it, in sentences."""
     robot: Robot = field(repr=False)
     """The robot that it is for."""
-    states: States = field(repr=False)
+    states: MotionStates = field(repr=False)
     """Where the robot was looked at."""
-    choice: Choice = field(repr=False)
+    choice: GainChoice = field(repr=False)
     """The rule's own numbers, before they were rounded."""
 
     @property
@@ -224,7 +224,7 @@ def design(
 
 
 def expected_error(
-    settings: ControllerSettings, loop: LoopSettings, found: Choice, states: States
+    settings: ControllerSettings, loop: LoopSettings, found: GainChoice, states: MotionStates
 ) -> Mapping[str, float]:
     r"""Estimate of the error by cause, norms over joints [rad] or [m].
 
@@ -260,9 +260,9 @@ def expected_error(
     response = [
         compliance(G, L_i, pi, xi, when, states.pace)
         for when in (
-            Timing(fast, 0.0),
-            Timing(real.period, 0.0, real.corner),
-            Timing(real.period, real.delay, real.corner),
+            LoopTiming(fast, 0.0),
+            LoopTiming(real.period, 0.0, real.corner),
+            LoopTiming(real.period, real.delay, real.corner),
         )
     ]
     q, v = measured_noise(loop, len(settings.K_r))
@@ -353,13 +353,15 @@ def check_loop(robot: Robot, loop: LoopSettings) -> None:
                 raise ValueRangeError(f"{name}: {value:g}; must be finite and not negative")
 
 
-def _states(robot: Robot, motion: Trajectory | None) -> States:
+def _states(robot: Robot, motion: Trajectory | None) -> MotionStates:
     if motion is None:
         return states_of_any_motion(robot, central_parameters(robot))
     return states_along(make_trajectory(robot, motion))
 
 
-def _remarks(robot: Robot, loop: LoopSettings, found: Choice, epsilon: float) -> tuple[str, ...]:
+def _remarks(
+    robot: Robot, loop: LoopSettings, found: GainChoice, epsilon: float
+) -> tuple[str, ...]:
     said = []
     unit = "rad" if robot.free_turns.all() else "m" if not robot.free_turns.any() else ""
     if not unit:

@@ -16,7 +16,7 @@ import numpy as np
 
 from modrobust.checks.types import Array
 from modrobust.design.box import Box, Lifted, lifted
-from modrobust.design.states import States
+from modrobust.design.states import MotionStates
 from modrobust.design.twists import Weights, jacobians, motion, selection, torque_weights
 from modrobust.model import Parameters, Robot
 
@@ -38,7 +38,7 @@ class Need:
     """b of (38)."""
 
 
-def need(robot: Robot, central: Parameters, light_mass: Array, states: States) -> Need:
+def need(robot: Robot, central: Parameters, light_mass: Array, states: MotionStates) -> Need:
     """The accelerations for a robot in k states.
 
     Args:
@@ -67,7 +67,7 @@ def need(robot: Robot, central: Parameters, light_mass: Array, states: States) -
     return Need(float(rigid.max()), float(rubbed.max()), float(pushed.max()), total)
 
 
-def _rigid(robot: Robot, central: Parameters, inverse: Array, states: States) -> Array:
+def _rigid(robot: Robot, central: Parameters, inverse: Array, states: MotionStates) -> Array:
     """Largest norm found in each state (k,)."""
     k, n = states.q.shape
     J = jacobians(robot, states.q)

@@ -10,9 +10,9 @@ import numpy as np
 
 from modrobust.checks.types import Array
 from modrobust.design.box import lifted
-from modrobust.design.choice import Choice, choose
+from modrobust.design.choice import GainChoice, choose
 from modrobust.design.need import flat
-from modrobust.design.states import States
+from modrobust.design.states import MotionStates
 from modrobust.design.twists import jacobians, motion, selection, torque_weights
 from modrobust.model import Bounded, LoopSettings, Parameters, Robot
 
@@ -43,7 +43,7 @@ class Help:
 
 
 def remedies(
-    robot: Robot, loop: LoopSettings, states: States, epsilon: float, now: Choice
+    robot: Robot, loop: LoopSettings, states: MotionStates, epsilon: float, now: GainChoice
 ) -> tuple[Help, ...]:
     """Changes that bring epsilon down, the best first.
 
@@ -71,11 +71,11 @@ def remedies(
 
 
 def _of_the_loop(
-    robot: Robot, loop: LoopSettings, states: States, epsilon: float, now: Choice
-) -> Iterator[tuple[str, Choice]]:
+    robot: Robot, loop: LoopSettings, states: MotionStates, epsilon: float, now: GainChoice
+) -> Iterator[tuple[str, GainChoice]]:
     """Changes of loop, drives and motion."""
 
-    def other(loop: LoopSettings) -> Choice:
+    def other(loop: LoopSettings) -> GainChoice:
         return choose(robot, loop, states, epsilon, now)
 
     yield f"twice the rate, {2.0 * loop.rate:g} Hz", other(replace(loop, rate=2.0 * loop.rate))
@@ -129,7 +129,7 @@ def _with_rotors(robot: Robot) -> Robot | None:
     )
 
 
-def _narrower(robot: Robot, states: States, now: Choice) -> Iterator[tuple[str, Robot]]:
+def _narrower(robot: Robot, states: MotionStates, now: GainChoice) -> Iterator[tuple[str, Robot]]:
     """The robot with half the box of one parameter, for those that push most by themselves."""
     inverse = np.asarray(np.linalg.inv(now.light_mass))
     found: list[tuple[float, str, _Group | None]]
@@ -143,7 +143,9 @@ def _narrower(robot: Robot, states: States, now: Choice) -> Iterator[tuple[str, 
             yield name, _half_disturbance(robot) if group is None else _half(robot, *group)
 
 
-def _bodies(robot: Robot, states: States, inverse: Array) -> Iterator[tuple[float, str, _Group]]:
+def _bodies(
+    robot: Robot, states: MotionStates, inverse: Array
+) -> Iterator[tuple[float, str, _Group]]:
     """How hard each parameter of each body pushes alone, at either end of its box."""
     k, n = states.q.shape
     J = jacobians(robot, states.q)
@@ -171,7 +173,9 @@ def _bodies(robot: Robot, states: States, inverse: Array) -> Iterator[tuple[floa
         yield float(pushed), f"the {_NAMES[name]} of {robot.body_names[b]}", ((name,), b)
 
 
-def _joints(robot: Robot, states: States, inverse: Array) -> Iterator[tuple[float, str, _Group]]:
+def _joints(
+    robot: Robot, states: MotionStates, inverse: Array
+) -> Iterator[tuple[float, str, _Group]]:
     """How hard each joint's friction and rotor push alone."""
     G = selection(robot)
     lower, upper = robot.lower, robot.upper

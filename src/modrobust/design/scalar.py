@@ -31,7 +31,7 @@ _EDGE = 1e-3  # relative: values of pi that far beyond its range still count
 
 
 @dataclass(frozen=True)
-class Timing:
+class LoopTiming:
     """The loop's timing: its period, and how late a command and a velocity are."""
 
     period: float
@@ -42,7 +42,7 @@ class Timing:
     """Of the filter of a velocity differentiated from positions [Hz]; None: it is measured."""
 
 
-def stable_gain(found: Spectra, timing: Timing) -> float:
+def stable_gain(found: Spectra, timing: LoopTiming) -> float:
     r"""G_stab [1/s]: 1/1.8 of the largest G for which every mode of (37) is stable.
 
     .. math:: G_{stab} = \frac{0.738}{T \max(\pi_2, 1)} \quad (D = 0), \qquad
@@ -69,7 +69,7 @@ def stable_gain(found: Spectra, timing: Timing) -> float:
     # The ends themselves too, whatever falls between the points of the grid.
     pi = np.concatenate([pi[inside], [least, most]])
     xi = np.concatenate([xi.ravel()[inside], np.minimum(1.0, [least / found.centre[0], 1.0])])
-    unit = Timing(
+    unit = LoopTiming(
         1.0, timing.delay, None if timing.corner is None else timing.corner * timing.period
     )
 
@@ -91,7 +91,7 @@ def stable_gain(found: Spectra, timing: Timing) -> float:
     return good / timing.period
 
 
-def matrices(G: float, pi: Array, xi: Array, timing: Timing, L_i: float = 0.0) -> Array:
+def matrices(G: float, pi: Array, xi: Array, timing: LoopTiming, L_i: float = 0.0) -> Array:
     r"""The loop (37) as x^+ = A x, ``(k, 5, 5)``, for eigenvalues pi and xi ``(k,)``.
 
     x = (e, de, u, v, sigma): error, its rate, the command that acts until the new one does, the
@@ -136,7 +136,9 @@ def matrices(G: float, pi: Array, xi: Array, timing: Timing, L_i: float = 0.0) -
     return np.stack([e_next, de_next, y, kept, sigma], axis=1)
 
 
-def compliance(G: float, L_i: float, pi: Array, xi: Array, timing: Timing, omega: float) -> float:
+def compliance(
+    G: float, L_i: float, pi: Array, xi: Array, timing: LoopTiming, omega: float
+) -> float:
     r"""Largest error per acceleration b of the disturbance, at one frequency [s^2].
 
     .. math:: |H(\omega)| = \max_{\pi, \xi} \left| (1, 0, \dots)\,(z - A)^{-1} B \right|,

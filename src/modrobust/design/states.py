@@ -27,7 +27,7 @@ _MOVE = 1.0  # [s]: the shortest move from rest to rest that is reckoned with
 
 
 @dataclass(frozen=True)
-class States:
+class MotionStates:
     """Where the robot is looked at: k states of a motion."""
 
     q: Array
@@ -45,9 +45,9 @@ class States:
         speed = float(np.sqrt((self.dq**2).sum()))
         return float(np.sqrt((self.ddq**2).sum())) / speed if speed > 0.0 else 0.0
 
-    def at_speed(self, factor: float) -> States:
+    def at_speed(self, factor: float) -> MotionStates:
         """The same path at another speed."""
-        return States(self.q, factor * self.dq, factor**2 * self.ddq, self.of)
+        return MotionStates(self.q, factor * self.dq, factor**2 * self.ddq, self.of)
 
 
 def position_range(robot: Robot) -> tuple[Array, Array]:
@@ -78,14 +78,14 @@ def configurations(robot: Robot, count: int = CONFIGURATIONS) -> Array:
     return np.asarray(lo + drawn * (hi - lo))
 
 
-def states_along(motion: Trajectory) -> States:
+def states_along(motion: Trajectory) -> MotionStates:
     """`INSTANTS` states, evenly spaced in time over the motion."""
     duration = motion.duration or DEFAULT_DURATION
     q, dq, ddq = motion.sample(np.linspace(0.0, duration, INSTANTS))
-    return States(q, dq, ddq, f"the motion given, {duration:g} s")
+    return MotionStates(q, dq, ddq, f"the motion given, {duration:g} s")
 
 
-def states_of_any_motion(robot: Robot, central: Parameters) -> States:
+def states_of_any_motion(robot: Robot, central: Parameters) -> MotionStates:
     r"""Seeded states inside the limits: positions of `configurations`, any speed, any acceleration.
 
     .. math:: |\dot q| \le \dot q_{max},\quad
@@ -113,4 +113,4 @@ def states_of_any_motion(robot: Robot, central: Parameters) -> States:
                 break
             dq[k] *= _SLOWER
             ddq[k] *= _SLOWER**2
-    return States(q, dq, ddq, "any motion within the joint and velocity limits")
+    return MotionStates(q, dq, ddq, "any motion within the joint and velocity limits")

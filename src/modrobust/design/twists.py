@@ -38,7 +38,7 @@ class Weights:
 
 
 @dataclass(frozen=True)
-class Motion:
+class LinkMotion:
     """Velocities and accelerations of the b moving bodies in k states, in body axes."""
 
     omega: Array
@@ -90,7 +90,7 @@ def jacobians(robot: Robot, positions: Array) -> Array:
     return np.asarray(columns.reshape(*columns.shape[:2], 6, robot.n))
 
 
-def motion(robot: Robot, q: Array, dq: Array, ddq: Array) -> Motion:
+def motion(robot: Robot, q: Array, dq: Array, ddq: Array) -> LinkMotion:
     """Velocities and accelerations of the moving bodies in states (k, n)."""
     ahead, behind = (jacobians(robot, q + sign * _STEP * dq) for sign in (1.0, -1.0))
     J = jacobians(robot, q)
@@ -98,7 +98,7 @@ def motion(robot: Robot, q: Array, dq: Array, ddq: Array) -> Motion:
     twist = np.einsum("kbin,kn->kbi", J, dq)
     change = np.einsum("kbin,kn->kbi", J, ddq) + np.einsum("kbin,kn->kbi", rate, dq)
     omega, nu = twist[..., :3], twist[..., 3:]
-    return Motion(
+    return LinkMotion(
         omega, change[..., :3], change[..., 3:] + np.cross(omega, nu) - _gravity(robot, q)
     )
 
@@ -117,7 +117,9 @@ def kinetic_weights(robot: Robot, J: Array, directions: Array) -> Weights:
     )
 
 
-def torque_weights(robot: Robot, J: Array, found: Motion, ddq: Array, directions: Array) -> Weights:
+def torque_weights(
+    robot: Robot, J: Array, found: LinkMotion, ddq: Array, directions: Array
+) -> Weights:
     """Of delta' NE without friction, for directions (k, d, n) in k states: x = k d rows."""
     k, d, _ = directions.shape
     twist = np.einsum("kbin,kdn->kdbi", J, directions)
