@@ -35,7 +35,7 @@ def test_the_time_of_the_default_motion_stands_in_the_file(run, tmp_path: Path) 
     assert (figures["settings"]["duration"], figures["cut_short"]) == (0.5, False)
     assert figures["settings"]["motion_time"] == 0.5
     shown = run("simulate", "slow.yaml").stdout.splitlines()
-    assert shown[0].startswith("slow, parameters random, seed 0: 0.5 s, law norm, bound hull")
+    assert shown[0].startswith("slow, parameters random, seed 0: 0.5 s, law auto, bound hull")
     assert shown[1].startswith("Motion: the default, quintic through seeded waypoints, seed 0")
 
 
