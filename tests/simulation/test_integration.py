@@ -79,7 +79,7 @@ def rate_of(robot: Robot) -> float:
 
 
 @pytest.mark.parametrize("dt", [2e-5, 2.5e-4, 1e-3, 4e-3])
-@pytest.mark.parametrize("coulomb", [0.0, 0.05, 0.2, 1.0, 100.0])
+@pytest.mark.parametrize("coulomb", [0.0, 0.2, 3.0, 10.0, 30.0, 100.0])
 def test_a_step_is_half_of_what_is_stable_or_implicit(coulomb: float, dt: float) -> None:
     robot = with_friction(robot_of("chain"), coulomb)
     rate, found = rate_of(robot), chosen(robot, dt)
@@ -114,13 +114,16 @@ def test_given_steps_are_taken_as_they_are() -> None:
 
 @pytest.mark.parametrize("rate", [250.0, 1e3, 4e3, 5e4])
 @pytest.mark.parametrize("kind", ["chain", "tree", "mimic", "no rotors"])
-def test_the_chosen_steps_let_a_robot_without_torques_come_to_rest(kind: str, rate: float) -> None:
+@pytest.mark.parametrize(("coulomb", "speed"), [(40.0, 4e-3), (15.0, 1e-4)])
+def test_the_chosen_steps_let_a_robot_without_torques_come_to_rest(
+    coulomb: float, speed: float, kind: str, rate: float
+) -> None:
     """Friction takes energy, at any rate: what is unstable would fling the joints about."""
-    robot = with_friction(robot_of(kind), 15.0, 1e-4)
+    robot = with_friction(robot_of(kind), coulomb, speed)
     robot = replace(robot, gravity=np.zeros(3), effort_limits=np.zeros(robot.n))
     steps = chosen(robot, 1.0 / rate)
     rng = np.random.default_rng(4)
-    q, dq = rng.normal(size=(2, robot.n))
+    q, dq = rng.normal(size=(2, robot.n)) * [[1.0], [0.05]]
     controller = mr.RobustController(replace(robot, loop=LoopSettings(rate=rate)), law="norm")
     loop = make_loop(
         *(controller, robot.nominal, None, q, dq),
@@ -133,4 +136,4 @@ def test_the_chosen_steps_let_a_robot_without_torques_come_to_rest(kind: str, ra
     assert loop.status == 0
     kinetic = [v @ mr.mass_matrix(robot, x) @ v for x, v in zip(log["q"], log["dq"], strict=True)]
     assert (np.diff(kinetic) <= 1e-9 * kinetic[0]).all()
-    assert kinetic[-1] < 0.5 * kinetic[0]
+    assert np.abs(log["dq"][-1]).max() < 0.1 * speed  # it sticks

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -78,6 +79,7 @@ def ticks(state: State) -> list[tuple[float, tuple[Any, ...]]]:
     return [(t, (q, np.roll(dq, k), np.roll(q, 1), dq_a, ddq_a)) for k, t in enumerate(times)]
 
 
+@cache  # the points that the laws compute with take their time
 def controller_of(robot: Robot, law: str) -> mr.RobustController:
     """The controller of `LAWS`, for a loop with everything that a drive does to it if late."""
     if law != "sampled late":
@@ -135,6 +137,7 @@ def by_extension(robot: Robot, state: State, run: Callable[..., Any] = outcome) 
         out[f"{name} phi"] = run(_kernel.perturbation_bounds, robot.model, *box, d, *state, code)
     for law in LAWS:
         _, controller = run(lambda law=law: controller_of(robot, law).kernel)
+        controller.reset()
         for k, (t, signals) in enumerate(ticks(state)):
             out[f"{law} u{k}"] = run(controller.command, t, *signals)
     for name, (law, substeps, implicit) in LOOPS.items():
