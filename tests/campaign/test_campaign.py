@@ -82,8 +82,27 @@ def test_a_run_done_again_has_the_figures_of_its_record(alone: Campaign) -> None
     limits = result.robot.effort_limits
     assert result.statistics is not None
     assert record.torque_over_limit == float((result.statistics.tau_max / limits).max())
-    steps = np.abs(np.diff(result.tau[late], axis=0))  # 500 Hz: every tick is logged
+    v = np.abs(result.tau - result.nominal)[6:]
+    assert record.v_over_limit == float((v / limits).max())
+    tau = result.tau[late]  # 500 Hz: every tick is logged
+    steps = np.abs(np.diff(tau, axis=0))
     assert record.step_over_limit == pytest.approx(float((steps.mean(axis=0) / limits).max()))
+    whole = 50 * (len(steps) // 50)  # ticks, of tenths of a second
+    slow = np.abs(np.diff(tau[: whole + 1 : 50], axis=0)).sum(axis=0)
+    ratio = steps[:whole].sum(axis=0) / (slow + 1e-3 * np.abs(tau).max(axis=0))
+    assert record.variation_ratio == pytest.approx(float(ratio.max()))
+
+
+def test_late_ticks_at_a_limit_are_counted(robot: Robot, loop: LoopSettings) -> None:
+    weak = replace(robot, effort_limits=0.02 * robot.effort_limits)
+    law: dict[str, Any] = {"law": "norm", "hold_aware": True, "motions": ["own"]}
+    found = campaign(weak, only=1, jobs=1, loop=loop, **law)
+    (record,) = found.records
+    result = found.rerun(1)
+    late = result.t >= 1.0 - 1e-9
+    at_limit = (np.abs(result.tau) >= weak.effort_limits).any(axis=1)
+    assert record.late_at_limit == at_limit[late].mean() > 0.05
+    assert not record.good
 
 
 def test_the_start_is_off_by_what_was_asked_for(robot: Robot, loop: LoopSettings) -> None:
