@@ -74,6 +74,21 @@ def test_a_copied_controller_has_integrators_of_its_own(way: str, robot: mr.Robo
 
 
 @pytest.mark.parametrize("way", COPIES)
+def test_a_copied_controller_with_chosen_gains_goes_on_with_the_same_torques(way: str) -> None:
+    robot = mr.load_robot("scara")
+    controller = mr.RobustController(robot, law="auto", delay=1.0)
+    rest = np.zeros(robot.n)
+    for _ in range(3):
+        controller.step(rest, rest, rest + 1e-3, rest, rest)
+    twin = COPIES[way](controller)
+    assert twin.design is not None
+    assert twin.design.to_dict() == controller.design.to_dict()
+    for _ in range(3):
+        ours, theirs = (c.step(rest, rest, rest + 1e-3, rest, rest) for c in (controller, twin))
+        assert (ours.tau == theirs.tau).all()
+
+
+@pytest.mark.parametrize("way", COPIES)
 def test_a_copied_result_is_the_same(way: str, robot: mr.Robot) -> None:
     result = simulate(robot, duration=0.05, rate=2e3)
     assert len(result.command_seconds)  # cached

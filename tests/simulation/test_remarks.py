@@ -41,7 +41,7 @@ def noisy_run(tau_step: float) -> tuple[Robot, list[str]]:
     t = np.arange(40) * 1e-3
     tau = np.zeros((40, 2))
     tau[1::2, 0] = tau_step
-    still = np.zeros((40, 2))
+    still: Any = np.zeros((40, 2))
     return arm, remarks(arm, gains, loop, 0.04, t, still, still, tau, np.full(2, 99.0))
 
 

@@ -32,7 +32,7 @@ def print_design(found: Design) -> None:
     """Print gains, what bounds them, the error to expect, and what would help."""
     s = found.settings
     show(f"{found.robot.name}: gains for {_loop(found.loop)}", style="bold")
-    show(f"LinkMotion: {found.motion}.")
+    show(f"Motion: {found.motion}.")
     show(*(f"Note: {remark}." for remark in found.remarks[:1] if "norms over" in remark))
     show("")
     show("Gains of the law sampled", _gains(found))

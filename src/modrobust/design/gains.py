@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from reprlib import repr as short
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -273,16 +272,14 @@ def expected_error(
         damping = 2.0 * LAMBDA * (1.0 + LAMBDA) * G**3
         noise = 3.0 * float(np.linalg.norm(spread)) * math.sqrt(real.period / damping)
     still = 1.0 / (LAMBDA * G * G)
-    return MappingProxyType(
-        {
-            "parameters": response[0] * push.parameters,
-            "friction": still * push.friction,
-            "disturbance": still * push.disturbance,
-            "noise": noise,
-            "hold": max(response[1] - response[0], 0.0) * push.parameters,
-            "delay": max(response[2] - response[1], 0.0) * push.parameters,
-        }
-    )
+    return {
+        "parameters": response[0] * push.parameters,
+        "friction": still * push.friction,
+        "disturbance": still * push.disturbance,
+        "noise": noise,
+        "hold": max(response[1] - response[0], 0.0) * push.parameters,
+        "delay": max(response[2] - response[1], 0.0) * push.parameters,
+    }
 
 
 def blend_time(robot: Robot, central: Parameters, motion: Trajectory | None) -> float:
