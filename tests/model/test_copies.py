@@ -56,7 +56,7 @@ def test_a_copied_robot_is_the_same(way: str, robot: mr.Robot) -> None:
 
 @pytest.mark.parametrize("way", COPIES)
 def test_a_copied_controller_has_integrators_of_its_own(way: str, robot: mr.Robot) -> None:
-    controller = mr.RobustController(robot, bound="ianea", epsilon=0.05)
+    controller = mr.RobustController(robot, law="norm", bound="ianea", epsilon=0.05)
     for k in range(5):
         command(controller, 0.1 * k)
     other = COPIES[way](controller)
@@ -68,7 +68,7 @@ def test_a_copied_controller_has_integrators_of_its_own(way: str, robot: mr.Robo
     again = COPIES[way](controller)
     assert same(command(again, 0.5), command(controller, 0.5))
     assert same(command(again, 3.0), command(controller, 3.0))
-    assert not same(ahead, command(COPIES[way](mr.RobustController(robot)), 3.0))
+    assert not same(ahead, command(COPIES[way](mr.RobustController(robot, law="norm")), 3.0))
     with pytest.raises(mr.ModrobustError, match="t went backwards"):
         command(COPIES[way](controller), 2.0)
 
