@@ -82,6 +82,7 @@ def test_a_copied_controller_with_chosen_gains_goes_on_with_the_same_torques(way
         controller.step(rest, rest, rest + 1e-3, rest, rest)
     twin = COPIES[way](controller)
     assert twin.design is not None
+    assert controller.design is not None
     assert twin.design.to_dict() == controller.design.to_dict()
     for _ in range(3):
         ours, theirs = (c.step(rest, rest, rest + 1e-3, rest, rest) for c in (controller, twin))

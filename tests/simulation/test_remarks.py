@@ -30,7 +30,8 @@ def robot() -> Robot:
 
 def said(robot: Robot, q: Any = STILL, dq: Any = STILL, noisy: Any = None) -> list[str]:
     logged = np.array(q), np.array(dq), np.zeros((3, 2))
-    return remarks(robot, robot.controller, robot.loop, 0.2, T, *logged, noisy)
+    every: Any = (T, *logged, noisy)
+    return remarks(robot, robot.controller, robot.loop, 0.2, *every)
 
 
 def noisy_run(tau_step: float) -> tuple[Robot, list[str]]:
@@ -38,7 +39,7 @@ def noisy_run(tau_step: float) -> tuple[Robot, list[str]]:
     arm = synthetic_chain(2)
     loop = LoopSettings(rate=1e3, noise_position=(1e-3,) * 2, noise_velocity=(0.1,) * 2)
     gains = mr.RobustController(arm, law="sampled", G=20.0, loop=loop).settings
-    t = np.arange(40) * 1e-3
+    t: Any = np.arange(40) * 1e-3
     tau = np.zeros((40, 2))
     tau[1::2, 0] = tau_step
     still: Any = np.zeros((40, 2))

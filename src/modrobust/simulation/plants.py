@@ -162,8 +162,7 @@ class MujocoPlant(_EnginePlant):
         joints = [self._model.joint(name) for name in robot.all_joint_names]
         self._dofs = np.array([joint.dofadr[0] for joint in joints], dtype=np.intp)
         self._places = np.array([joint.qposadr[0] for joint in joints], dtype=np.intp)
-        self._bias, self._torque = np.empty(self._model.nv), np.empty((1, self._model.nv))
-        self._answer = np.empty((1, self._model.nv))
+        self._bias = np.empty(self._model.nv)
 
     def _rigid(self, q: Array, rates: Array) -> tuple[Array, Array]:
         mujoco, model, data = self._mujoco, self._model, self._data
