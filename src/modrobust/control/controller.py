@@ -31,6 +31,7 @@ from modrobust.checks.types import Array
 from modrobust.control.rate import RateNeed, needed_rate
 from modrobust.control.settings import (
     AUTO,
+    PARTS,
     ControllerOptions,
     checked_loop,
     checked_settings,
@@ -124,7 +125,8 @@ class RobustController:
         self.design: Design | None = None
         if settings.law == AUTO:
             self.design = chosen(robot, settings, self.loop, motion)
-            settings = self.design.settings
+            parts = {name: getattr(settings, name) for name in PARTS}
+            settings = replace(self.design.settings, bound=settings.bound, **parts)
             self._points = self.design.central, self.design.light
         elif settings.law == "sampled" or settings.hold_aware:
             central = central_parameters(robot)

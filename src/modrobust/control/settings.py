@@ -52,7 +52,9 @@ class ControllerOptions(TypedDict, total=False):
 
 _NOT_NEGATIVE = ("kappa_P", "kappa_I", "phi_P", "phi_I", "leak", "blend")
 _POSITIVE = ("epsilon", "G", "Lambda", "kappa_max", "phi_max")
-_SWITCHES = ("hold_aware", "integral", "predictor", "vector_saturation")
+PARTS = ("integral", "predictor", "vector_saturation")
+"""Of the law ``sampled``, each of which can be left out."""
+_SWITCHES = ("hold_aware", *PARTS)
 _SAMPLED = ("G", "Lambda", "L_i")
 
 
