@@ -74,6 +74,19 @@ def bad(found: Sequence[Record]) -> str:
     )
 
 
+def where_bad(row: str) -> str:
+    """Robots and loops of a row in which a run was not good."""
+    listed = []
+    for variant in ROWS[row].variants:
+        for name, values in results(row, variant, ROWS[row].robots).items():
+            count = sum(not record_from(each).good for each in values)
+            if count:
+                loop = f"{variant.rate:g} Hz, delay {variant.delay:g}"
+                noise = "noise" if variant.noise else "no noise"
+                listed.append(f"{name} at {loop}, {noise}: {count} of {len(values)}")
+    return f" ({'; '.join(listed)})" if listed else ""
+
+
 def meets(found: Sequence[Record]) -> str:
     """How many met epsilon."""
     return share(sum(r.meets for r in found), len(found))
@@ -110,7 +123,7 @@ def main_lines() -> list[Line]:
         Line(
             "every rate, delay 0 and 1, noise and none",
             "0 diverge, 0 limit cycles",
-            bad(flat(every)),
+            bad(flat(every)) + where_bad("stability"),
             tried(every),
         ),
         Line(
@@ -126,7 +139,12 @@ def main_lines() -> list[Line]:
             meets(flat(wide)) + below(wide, 1.0),
             tried(wide),
         ),
-        Line("gains times 1.75, built-in", "0 bad", bad(flat(factor)), tried(factor)),
+        Line(
+            "gains times 1.75, built-in",
+            "0 bad",
+            bad(flat(factor)) + where_bad("factor"),
+            tried(factor),
+        ),
         Line(
             "start 0.02 off (norm)",
             "100 % good",
@@ -314,6 +332,11 @@ limits, of the paper's robot and of the files' own motions for that motion.
 *Late* is from 0.45 s on (motions of 1 s) or 1 s on (others). *Good*: did not diverge, late error
 below 0.3, at most 5 % of late ticks at a limit. *Meets*: good, and the late error, a norm over all
 joints, below epsilon. Rows without a rate are at 1 kHz.
+
+Where a light wrist without a drive carries up to its rated payload, at 250 Hz and a period late, a
+run that is not good has no limit cycle: the wrist sags when the run begins, by up to a radian, and
+sigma of (33) takes it up over some seconds. Light and heavy robots differ there by 1:85 in inertia,
+and no gain serves both.
 
 {markdown(head, lines)}
 

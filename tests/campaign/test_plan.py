@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,3 +74,15 @@ def test_a_drawn_motion_stays_within_limits_and_leaves_a_fifth_of_the_torque(
     assert drawn.feasible
     again = draw_motion(robot, truth, time, 5).trajectory
     assert np.array_equal(again.points, drawn.trajectory.points)
+
+
+def test_a_motion_that_needs_too_much_torque_is_drawn_again() -> None:
+    robot = mr.load_robot("lwa4p")
+    truth = true_robot(robot, "upper").parameters
+    first = draw_motion(robot, truth, 1.0, 5)
+    limits = robot.effort_limits * first.need / 0.9
+    again = draw_motion(replace(robot, effort_limits=limits), truth, 1.0, 5)
+    assert again.feasible
+    assert not np.array_equal(again.trajectory.points, first.trajectory.points)
+    hopeless = draw_motion(replace(robot, effort_limits=0.01 * limits), truth, 1.0, 5)
+    assert not hopeless.feasible
