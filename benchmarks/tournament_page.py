@@ -340,9 +340,9 @@ The last column says how far a row has come; a whole one is {len(ROBOTS)} robots
 {len(BUILTIN)}) with {DRAWS} draws each. In a row with few draws the two ends of the box weigh more.
 
 Where a light wrist without a drive carries up to its rated payload, at 250 Hz and a period late, a
-run that was not good had no limit cycle: the wrist sags when the run begins, by a radian or more, and
-sigma of (33) takes it up, slowly: over a motion of 10 s the errors of UR10 and Kinova fell below 0.1.
-Light and heavy robots differ there by 1:85 and 1:47 in inertia.
+run that was not good had no limit cycle: the wrist sags when the run begins, by a radian or more,
+and sigma of (33) takes it up slowly: in a motion of 10 s the errors of UR10 and Kinova fell below
+0.1. Light and heavy robots differ there by 1:85 and 1:47 in inertia.
 
 {markdown(head, lines)}
 
