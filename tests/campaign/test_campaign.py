@@ -100,7 +100,7 @@ def test_late_ticks_at_a_limit_are_counted(robot: Robot, loop: LoopSettings) -> 
     (record,) = found.records
     result = found.rerun(1)
     late = result.t >= 1.0 - 1e-9
-    at_limit = (np.abs(result.tau) >= weak.effort_limits).any(axis=1)
+    at_limit = np.any(np.abs(result.tau) >= weak.effort_limits, axis=1)
     assert record.late_at_limit == at_limit[late].mean() > 0.05
     assert not record.good
 
