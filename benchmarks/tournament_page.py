@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 from common import markdown, processor
-from population import BUILTIN, NOISE, TOLERANCE, URDF
-from tournament import LAWS, LOOPS, ROOT, ROWS, Variant, file_of, record_from
+from population import BUILTIN, NOISE, ROBOTS, TOLERANCE, URDF
+from tournament import DRAWS, LAWS, LOOPS, ROOT, ROWS, Variant, file_of, record_from
 
 from modrobust.campaign import Record
 
@@ -154,7 +154,7 @@ def main_lines() -> list[Line]:
         Line(
             "start 0.3 off on every joint",
             "95 % good",
-            share(sum(r.good for r in flat(large)), len(flat(large))),
+            share(sum(r.good for r in flat(large)), len(flat(large))) + where_bad("starts"),
             tried(large),
         ),
         Line(
@@ -249,10 +249,13 @@ def law_rows() -> list[list[str]]:
     rows = []
     for delay, noise in (LOOPS[0], LOOPS[3]):
         loop = f"delay {delay:g}, {'noise' if noise else 'no noise'}"
-        parts = {"sampled (auto)": records("own" if noise else "plain")}
+        beside = set(records("laws", partial(_is, delay=delay, law=LAWS[0])))
+        auto = records("own" if noise else "plain")
+        parts = {"sampled (auto)": {name: auto[name] for name in auto if name in beside}}
         for law in LAWS:
             parts[law] = records("laws", partial(_is, delay=delay, law=law))
-        for law, by_robot in parts.items():
+        for law, whole in parts.items():
+            by_robot = {name: found for name, found in whole.items() if name in beside}
             found = flat(by_robot)
             if not found:
                 continue
@@ -333,10 +336,13 @@ limits, of the paper's robot and of the files' own motions for that motion.
 below 0.3, at most 5 % of late ticks at a limit. *Meets*: good, and the late error, a norm over all
 joints, below epsilon. Rows without a rate are at 1 kHz.
 
+The last column says how far a row has come; a whole one is {len(ROBOTS)} robots (built-in:
+{len(BUILTIN)}) with {DRAWS} draws each. In a row with few draws the two ends of the box weigh more.
+
 Where a light wrist without a drive carries up to its rated payload, at 250 Hz and a period late, a
-run that is not good has no limit cycle: the wrist sags when the run begins, by up to a radian, and
-sigma of (33) takes it up over some seconds. Light and heavy robots differ there by 1:85 in inertia,
-and no gain serves both.
+run that was not good had no limit cycle: the wrist sags when the run begins, by a radian or more,
+and sigma of (33) takes it up slowly: in a motion of 10 s the errors of UR10 and Kinova fell below
+0.1. Light and heavy robots differ there by 1:85 and 1:47 in inertia.
 
 {markdown(head, lines)}
 
@@ -349,9 +355,10 @@ At 1 kHz, delay 1, noise, the file's own epsilon; of a run the largest late erro
 ## Other laws
 
 With the gains that the files had before gains were chosen (`benchmarks/population.py` lists them; a
-URDF had the paper's). Hold-aware laws take the same gains. The robust input of ARMOUR is not in
-this table: computed in Python it takes too long. Errors are of runs that did not diverge; v is the
-largest robust torque of a run over the limit.
+URDF had the paper's). Hold-aware laws take the same gains. Only robots that have been tried with
+`norm` are counted. The robust input of ARMOUR is not in this table: computed in Python it takes too
+long. Errors are of runs that did not diverge; v is the largest robust torque of a run over the
+limit.
 
 {markdown(_LAWS_HEAD, law_rows())}
 """,
