@@ -196,7 +196,13 @@ def test_each_width_stands_under_its_own_header(capsys: pytest.CaptureFixture[st
         width_ianea=np.array([[2.0], [10.0]]),
         width_found=np.array([[1.0], [2.2]]),
     )
-    entry = {"robot": "arm", "joints": ["elbow"], "times": [], "tightness": [widths.to_dict()]}
+    entry = {
+        "robot": "arm",
+        "joints": ["elbow"],
+        "times": [],
+        "laws": {},
+        "tightness": [widths.to_dict()],
+    }
     print_benchmark({"robots": [entry], "growth": []})
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
     header = next(line for line in lines if line[:1] == ["joint"])

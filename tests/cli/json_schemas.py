@@ -205,7 +205,7 @@ SETTINGS = record(
         "loop": LOOP,
         "rate_needed": optional(SIZE),
         "rate_warning": optional(TEXT),
-        "design": optional(DESIGN),
+        "design": optional({"type": "object"}),  # its keys are those of the command design
         "substeps": COUNT,
         "integrator": TEXT,
         "plant": exactly("builtin", "mujoco", "pinocchio"),

@@ -11,7 +11,10 @@ import pytest
 
 from support.command_line import COMMAND, environment
 
-COMMANDS = ("", "assemble", "simulate", "design", "bench", "modules", "schema", "import-timor")
+COMMANDS = (
+    *("", "assemble", "design", "simulate", "campaign", "bench"),
+    *("modules", "schema", "import-timor"),
+)
 LONG = "the_third_joint_of_the_left_arm_of_the_torso_of_the_robot"
 TWO_LINKS = f"""<robot name="arm">
   <link name="base"/>
@@ -45,7 +48,7 @@ def test_help_fits_in_80_columns(tmp_path: Path, command: str) -> None:
 
 def test_the_list_of_commands_shows_whole_summaries(tmp_path: Path) -> None:
     lines = at(80, tmp_path, "--help").partition("Commands:\n")[2].splitlines()
-    summaries = dict(re.findall(r"^  (\S+)  +(.+)$", "\n".join(lines[:7]), re.MULTILINE))
+    summaries = dict(re.findall(r"^  (\S+)  +(.+)$", "\n".join(lines[:8]), re.MULTILINE))
     assert tuple(summaries) == COMMANDS[1:]
     assert all(text.endswith(".") and not text.endswith("..") for text in summaries.values())
 

@@ -10,7 +10,10 @@ import pytest
 
 from modrobust.cli import main
 
-COMMANDS = ["assemble", "simulate", "design", "bench", "modules", "schema", "import-timor"]
+COMMANDS = [
+    *("assemble", "design", "simulate", "campaign", "bench"),
+    *("modules", "schema", "import-timor"),
+]
 
 
 def test_help_names_every_command_and_gives_examples(run) -> None:

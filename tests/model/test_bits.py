@@ -30,17 +30,21 @@ PACKAGE = Path(mr.__file__).parent
 # Reports, searches, pictures, exports and plants of other engines: behind the bound, or beside it.
 BESIDE = {
     "bench",
+    "campaign",
     "cli",
+    "design",
     "export",
     "pictures",
     "reference",
     "assembly.magnitudes",
     "assembly.summary",
     "model.orientation",
+    "control.rate",
     "simulation.divergence",
-    "simulation.engine_loop",
+    "simulation.integration",
     "simulation.metrics",
     "simulation.plants",
+    "simulation.remarks",
     "simulation.result",
 }
 TRANSFORMS = {  # their @ is that of `Transform`

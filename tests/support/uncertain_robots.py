@@ -22,6 +22,8 @@ TOLERANCE = {
     "rotor_inertia": "5%", "viscous": "5%", "coulomb": "5%",
 }  # fmt: skip
 SETTINGS: dict[str, Any] = {
+    "law": "norm",
+    "rate": 50e3,
     "K_r": 20, "kappa_P": 1, "kappa_I": 50, "phi_P": 100, "phi_I": 200, "epsilon": 0.02,
 }  # fmt: skip
 START = 0.03  # norm of the first error: outside epsilon

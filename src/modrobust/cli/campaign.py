@@ -35,18 +35,16 @@ from modrobust.cli.simulate_pictures import Plant
 EXAMPLES = """\b
 Examples:
   modrobust campaign lwa4p --runs 100
-  modrobust campaign lwa4p --rate 500Hz --delay 1 --noise "position=1e-4, velocity=1e-2"
-  modrobust campaign ur5.urdf --tolerance "mass=5%,com=5mm,inertia=10%" --runs 1000 --jobs 8
+  modrobust campaign lwa4p --rate 500Hz --delay 1 --noise "position=1e-4"
+  modrobust campaign ur5.urdf --tolerance "mass=5%,com=5mm" --runs 1000
   modrobust campaign lwa4p --only 17 --log run.npz
 
-\b
 Run k takes true parameters at the lower end, the upper end, a corner and a random point in turn,
 with a disturbance (constant, sine, random, worst sign), noise (uniform, worst sign; where the loop
 has noise) and a motion: the file's own, or one drawn from rest to rest in 1 s (short) or 10 s
 (long), at half of the limits of speed. It depends on the robot, the settings, the seed and k alone:
 --only K is the same run, bit for bit, with any --runs and --jobs.
 
-\b
 Late figures are those from 0.45 s on in short motions, from 1 s on in others. The law auto chooses
 its gains once: for the file's motion with --motions own, else for any motion within the limits.
 
@@ -113,7 +111,7 @@ def campaign(
     package: Package = None,
     json: Json = False,
 ) -> None:
-    """Run many closed loops and show the worst case of each figure.
+    """Run many closed loops and show the worst cases.
 
     What is tried is not proved: see "modrobust assemble" for what holds in the whole box.
     """

@@ -166,6 +166,7 @@ class RobustController:
         return make_kernel_controller(robot, self.settings, self.loop, *points)
 
     @property
+    @own_environment()
     def period(self) -> float:
         """T, for which a command is held [s]."""
         return 1.0 / self.loop.rate
@@ -178,6 +179,7 @@ class RobustController:
         """
         return needed_rate(self.robot, self.settings, self.loop, self._motion)
 
+    @own_environment()
     def command(
         self,
         t: float,
@@ -228,6 +230,7 @@ class RobustController:
             *(kernel.rho_norm, kernel.integral_rate, kernel.alpha),
         )
 
+    @own_environment()
     def step(
         self,
         q: ArrayLike,
@@ -309,6 +312,7 @@ class RobustController:
         tau, nominal, v, phi_lo, phi_hi, rho = out
         return Command(tau, nominal, v, phi_lo, phi_hi, rho, rho_norm, rate, 1.0)
 
+    @own_environment()
     def reset(self, q: ArrayLike | None = None) -> None:
         """Forget time and integrals, as if no command had been given yet.
 

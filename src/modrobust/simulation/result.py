@@ -201,6 +201,7 @@ class SimulationResult:
             return np.zeros(0)
 
     @property
+    @own_environment()
     def reasons(self) -> list[str]:
         """Why the run's answer is bad, one sentence each; empty when it is good."""
         s = self.statistics

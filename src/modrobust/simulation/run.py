@@ -28,7 +28,7 @@ from modrobust.control import ControllerOptions, RobustController, settings_dict
 from modrobust.control.settings import checked_loop, kernel_loop, loop_dict
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
-from modrobust.model import LoopSettings, Parameters, Robot
+from modrobust.model import LoopSettings, Parameters, Robot, check_robot
 from modrobust.motion import Trajectory, make_trajectory
 from modrobust.motion.limits import (
     check_duration,
@@ -180,6 +180,7 @@ def simulate(
 
     Source: Section V of [GA17]; kernel twin ``mr_loop_advance``.
     """
+    check_robot(robot)
     check_plant(plant)
     scenario = None if scenario is None else str(scenario)
     seed = as_integer("seed", seed, 0)
@@ -276,7 +277,7 @@ def _initial_error(robot: Robot, given: ArrayLike, seed: int) -> Array:
     if np.ndim(given) == 0:
         size = as_number("initial_error", given)
         direction = np.random.default_rng([seed, 1]).standard_normal(robot.n)
-        return np.asarray(size * direction / np.linalg.norm(direction))
+        return np.asarray(size * direction / math.sqrt(math.fsum(direction * direction)))
     return _state("initial_error", given, robot)
 
 

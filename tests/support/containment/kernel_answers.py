@@ -43,7 +43,7 @@ def answers(robot: Robot, query: Query, as_given: bool) -> Iterator[Bound]:
     """The kernel's bounds for one state, all functions and kinds of bound."""
     state = query.vectors()
     for bound in BOUNDS:
-        controller = RobustController(robot, bound=bound)
+        controller = RobustController(robot, law="norm", bound=bound)
         command = controller.command(0.0, *query.signals)
         yield Bound(f"command {bound}", command.phi_lo, command.phi_hi, True, command.nominal)
         if as_given:
