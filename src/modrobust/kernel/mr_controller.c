@@ -49,6 +49,16 @@ mr_state mr_state_of_law(const mr_model *model, const mr_gains *gains,
     return (mr_state){a[0], a[1], a[1], a[2], NULL, NULL};
 }
 
+double mr_worst_norm(int32_t n, const double *lo, const double *hi) {
+    double squared = 0.0;
+    for (int32_t i = 0; i < n; ++i) {
+        const double rho = mr_worst_case(lo[i], hi[i]);
+        squared += rho * rho;
+    }
+    /* rounded up, underflow of the squares included */
+    return sqrt(squared + 0x1p-1000) * (1.0 + (n + 4) * 0x1p-52);
+}
+
 /* (29): v = (K^-1 + T M^-1)^-1 r by the solution of (K + M / T) x = M r / T, v = K x. K is in v. */
 static mr_status allow_for_hold(const mr_model *model, const mr_gains *gains, const double *r,
                                 double *workspace, double *v) {
@@ -86,7 +96,7 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
                                   workspace, state, out);
     const int32_t n = model->n;
     const mr_workspace ws = mr_workspace_view(model, workspace);
-    double error_squared = 0.0, rho_squared = 0.0, elapsed = 0.0;
+    double error_squared = 0.0, elapsed = 0.0;
     mr_status status = mr_elapsed(state, t, &elapsed);
     if (status) return status; /* what is not finite in a signal is so in (4) too */
 
@@ -99,13 +109,8 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
     status = mr_perturbation_box(model, bounds, gains->method, &given, &ws);
     if (status) return status;
     if (mr_beyond_wrapping(model, q_des)) return MR_ANGLE_RANGE;
-    for (int32_t i = 0; i < n; ++i) { /* (8) */
-        const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]), rho = a > b ? a : b;
-        rho_squared += rho * rho;
-    }
     const double error = sqrt(error_squared);
-    /* rounded up, underflow of the squares included */
-    const double rho_norm = sqrt(rho_squared + 0x1p-1000) * (1.0 + (n + 4) * 0x1p-52);
+    const double rho_norm = mr_worst_norm(n, ws.lo, ws.hi);
     const double lost = gains->leak * elapsed;
     const double decayed = lost < 1.0 ? state->integral * (1.0 - lost) : 0.0;
     const double integral = decayed + state->previous_f * elapsed;
@@ -121,7 +126,7 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
         }
     } else {
         for (int32_t i = 0; i < n; ++i) {
-            const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]), rho = a > b ? a : b;
+            const double rho = mr_worst_case(ws.lo[i], ws.hi[i]);
             r[i] = ws.dq_a[i] - dq[i];
             v[i] = gains->law == MR_LAW_COMPONENTWISE ? kappa * rho + phi : gain;
             if (!gains->hold_aware) v[i] *= r[i];
@@ -133,8 +138,7 @@ mr_status mr_do_command(const mr_model *model, const mr_bounds *bounds, const mr
     }
 
     for (int32_t i = 0; i < n; ++i) {
-        const double a = fabs(ws.lo[i]), b = fabs(ws.hi[i]);
-        out->rho[i] = a > b ? a : b;
+        out->rho[i] = mr_worst_case(ws.lo[i], ws.hi[i]);
         out->phi_lo[i] = ws.lo[i];
         out->phi_hi[i] = ws.hi[i];
         out->nominal[i] = ws.mid[i];

@@ -294,6 +294,13 @@ static inline double mr_error_of(const mr_model *model, int32_t i, const double 
 /* Whether the desired angle of a joint that wraps is beyond what can be reduced. */
 int mr_beyond_wrapping(const mr_model *model, const double *q_des);
 
+/* (8): the worst case of one joint, and an upper bound of the norm over all of them. */
+static inline double mr_worst_case(double lo, double hi) {
+    const double a = fabs(lo), b = fabs(hi);
+    return a > b ? a : b;
+}
+double mr_worst_norm(int32_t n, const double *lo, const double *hi);
+
 /* Auxiliary velocity and acceleration (n) of (4), and the sizes of their terms. */
 mr_state mr_auxiliary(const mr_model *model, const mr_gains *gains, const double *q,
                       const double *dq, const double *q_des, const double *dq_des,

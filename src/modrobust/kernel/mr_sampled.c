@@ -110,7 +110,7 @@ mr_status mr_sampled_command(const mr_model *model, const mr_bounds *bounds, con
     double *e = a[MR_ERROR], *de = a[MR_RATE], *nominal = a[MR_NOMINAL];
     double *feedback = a[MR_FEEDBACK], *pull = a[MR_PULL], *acceleration = a[MR_ACCELERATION];
     double *start = a[MR_OFFSET], *start_rate = a[MR_OFFSET_RATE], *memory = state->memory;
-    double elapsed = 0.0, rho_squared = 0.0;
+    double elapsed = 0.0;
     mr_status status = mr_elapsed(state, t, &elapsed);
     if (status) return status;
     if (!(mr_all_finite(n, q) & mr_all_finite(n, dq) & mr_all_finite(n, q_des) &
@@ -173,17 +173,14 @@ mr_status mr_sampled_command(const mr_model *model, const mr_bounds *bounds, con
         if (status) return status;
     }
     for (int32_t i = 0; i < n; ++i) {
-        const double c = fabs(ws.lo[i]), d = fabs(ws.hi[i]), rho = c > d ? c : d;
-        rho_squared += rho * rho;
         if (!isfinite(nominal[i] + (feedback[i] + sigma[i])) || !isfinite(acceleration[i]))
             return MR_NOT_FINITE;
     }
-    const double rho_norm = sqrt(rho_squared + 0x1p-1000) * (1.0 + (n + 4) * 0x1p-52);
+    const double rho_norm = mr_worst_norm(n, ws.lo, ws.hi);
     if (!isfinite(rho_norm)) return MR_NOT_FINITE;
 
     for (int32_t i = 0; i < n; ++i) {
-        const double c = fabs(ws.lo[i]), d = fabs(ws.hi[i]);
-        out->rho[i] = c > d ? c : d;
+        out->rho[i] = mr_worst_case(ws.lo[i], ws.hi[i]);
         out->phi_lo[i] = ws.lo[i];
         out->phi_hi[i] = ws.hi[i];
         out->nominal[i] = nominal[i];
