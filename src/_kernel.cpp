@@ -11,6 +11,7 @@
 #include <cstring>
 #include <exception>
 #include <limits>
+#include <list>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -414,53 +415,79 @@ Out sines_cosines(const Vec &x) {
     return numpy(std::move(rows), {2, count});
 }
 
+// Settings by name, and copies of the arrays among them, which the kernel's structures point to.
+class Named {
+  public:
+    explicit Named(nb::dict named) : given(named) {}
+    double number(const char *name) const { return nb::cast<double>(given[name]); }
+    int whole(const char *name) const { return nb::cast<int>(given[name]); }
+    const double *array(const char *name, size_t size) {
+        const Vec v = nb::cast<Vec>(given[name]);
+        require(v.size() == size, (std::string(name) + ": wrong length").c_str());
+        return keep(v);
+    }
+    // One entry a joint, or NULL where there is none at all.
+    const double *joints(const char *name, const Model &model) {
+        const Vec v = nb::cast<Vec>(given[name]);
+        if (v.size() == 0) return nullptr;
+        model.require_joints(v, name);
+        return keep(v);
+    }
+    void seed(const char *name, uint64_t *to) const {
+        const auto words = nb::cast<std::pair<uint64_t, uint64_t>>(given[name]);
+        require(words.first || words.second, "seed: both words are 0");
+        to[0] = words.first;
+        to[1] = words.second;
+    }
+
+  private:
+    const double *keep(const Vec &v) {
+        kept.push_back(doubles(v));
+        return kept.back().data();
+    }
+
+    nb::dict given;
+    std::list<Doubles> kept; // whose data stays where it is
+};
+
 // Gains by name, one packed point for D_c and D_s, and the limits: what mr_gains points to.
 class Gains {
   public:
-    Gains(const Model &model, nb::dict given) {
-        const auto number = [&](const char *name) { return nb::cast<double>(given[name]); };
-        const auto whole = [&](const char *name) { return nb::cast<int>(given[name]); };
-        const auto array = [&](const char *name, size_t size) {
-            const Vec v = nb::cast<Vec>(given[name]);
-            require(v.size() == size, (std::string(name) + ": wrong length").c_str());
-            kept.push_back(doubles(v));
-            return kept.back().data();
-        };
-        kept.reserve(4);
+    Gains(const Model &model, nb::dict named) : given(named) {
         const size_t points = mr_parameters_size(&model.c);
-        const int law = whole("law");
+        const int law = given.whole("law");
         require(law >= MR_LAW_NORM && law <= MR_LAW_SAMPLED,
                 "law: 0 (norm), 1 (componentwise) or 2 (sampled)");
-        c.K_r = array("K_r", model.n());
-        c.kappa_P = number("kappa_P");
-        c.kappa_I = number("kappa_I");
-        c.phi_P = number("phi_P");
-        c.phi_I = number("phi_I");
-        c.kappa_max = number("kappa_max");
-        c.phi_max = number("phi_max");
-        c.leak = number("leak");
-        c.epsilon = number("epsilon");
+        c.K_r = given.array("K_r", model.n());
+        c.kappa_P = given.number("kappa_P");
+        c.kappa_I = given.number("kappa_I");
+        c.phi_P = given.number("phi_P");
+        c.phi_I = given.number("phi_I");
+        c.kappa_max = given.number("kappa_max");
+        c.phi_max = given.number("phi_max");
+        c.leak = given.number("leak");
+        c.epsilon = given.number("epsilon");
         c.law = static_cast<mr_law>(law);
-        c.method = method_of(whole("bound"));
-        c.hold_aware = whole("hold_aware");
-        c.period = number("period");
-        c.delay = number("delay");
-        c.G = number("G");
-        c.Lambda = number("Lambda");
-        c.L_i = number("L_i");
-        c.blend = number("blend");
-        c.integral = whole("integral");
-        c.predictor = whole("predictor");
-        c.vector_saturation = whole("vector_saturation");
-        c.effort_limit = array("effort_limit", model.n());
-        c.centre = mr_parameters_view(&model.c, array("centre", points));
-        c.light = mr_parameters_view(&model.c, array("light", points));
+        c.method = method_of(given.whole("bound"));
+        c.hold_aware = given.whole("hold_aware");
+        c.period = given.number("period");
+        c.delay = given.number("delay");
+        c.G = given.number("G");
+        c.Lambda = given.number("Lambda");
+        c.L_i = given.number("L_i");
+        c.blend = given.number("blend");
+        c.integral = given.whole("integral");
+        c.predictor = given.whole("predictor");
+        c.vector_saturation = given.whole("vector_saturation");
+        c.effort_limit = given.array("effort_limit", model.n());
+        c.centre = mr_parameters_view(&model.c, given.array("centre", points));
+        c.light = mr_parameters_view(&model.c, given.array("light", points));
     }
     Gains(const Gains &) = delete;
     mr_gains c{};
 
   private:
-    std::vector<Doubles> kept;
+    Named given;
 };
 
 // The state of a controller and the memory that it points to.
@@ -596,56 +623,40 @@ class Loop {
   public:
     // settings: numbers by name, and arrays of n or none at all for noise and steps.
     Loop(nb::object controller_object, const Vec &true_parameters, const Vec &true_disturbance,
-         const Vec &q0, const Vec &dq0, nb::dict settings, nb::object engine)
+         const Vec &q0, const Vec &dq0, nb::dict named, nb::object engine)
         : owner(controller_object), controller(nb::cast<Controller &>(controller_object)),
           model(controller.model), parameters(doubles(true_parameters)),
           disturbance(doubles(true_disturbance)), q(doubles(q0)), dq(doubles(dq0)),
           tau_previous(model.n()), tau_max(model.n()), total_variation(model.n()),
-          ticks_at_limit(model.n()), previous_q(model.n()), rate(model.n()), plant(engine),
-          state(model) {
+          ticks_at_limit(model.n()), previous_q(model.n()), rate(model.n()), settings(named),
+          plant(engine), state(model) {
         model.require_parameters(true_parameters);
         model.require_joints(true_disturbance, "true_disturbance");
         model.require_joints(q0, "q0");
         model.require_joints(dq0, "dq0");
-        const auto number = [&](const char *name) { return nb::cast<double>(settings[name]); };
-        const auto whole = [&](const char *name) { return nb::cast<int>(settings[name]); };
-        const auto seed = [&](const char *name, uint64_t *to) {
-            const auto words = nb::cast<std::pair<uint64_t, uint64_t>>(settings[name]);
-            require(words.first || words.second, "seed: both words are 0");
-            to[0] = words.first;
-            to[1] = words.second;
-        };
-        sizes.reserve(4);
-        const auto array = [&](const char *name) -> const double * {
-            const Vec v = nb::cast<Vec>(settings[name]);
-            if (v.size() == 0) return nullptr;
-            model.require_joints(v, name);
-            sizes.push_back(doubles(v));
-            return sizes.back().data();
-        };
-        c.dt = number("dt");
-        c.substeps = whole("substeps");
-        c.implicit = whole("implicit");
-        c.delay = number("delay");
-        c.saturation = whole("saturation");
+        c.dt = settings.number("dt");
+        c.substeps = settings.whole("substeps");
+        c.implicit = settings.whole("implicit");
+        c.delay = settings.number("delay");
+        c.saturation = settings.whole("saturation");
         require(c.dt > 0.0 && c.dt < std::numeric_limits<double>::infinity() && c.substeps > 0,
                 "dt and substeps must be positive");
         require(c.delay >= 0.0 && c.delay <= 1.0, "delay lies in [0, 1]");
-        c.sensor.noise_q = array("noise_position");
-        c.sensor.noise_dq = array("noise_velocity");
-        c.sensor.step_q = array("quantisation_position");
-        c.sensor.step_dq = array("quantisation_velocity");
-        c.sensor.worst = whole("noise_worst");
-        c.sensor.filter = number("filter");
-        seed("noise_seed", c.sensor.random);
+        c.sensor.noise_q = settings.joints("noise_position", model);
+        c.sensor.noise_dq = settings.joints("noise_velocity", model);
+        c.sensor.step_q = settings.joints("quantisation_position", model);
+        c.sensor.step_dq = settings.joints("quantisation_velocity", model);
+        c.sensor.worst = settings.whole("noise_worst");
+        c.sensor.filter = settings.number("filter");
+        settings.seed("noise_seed", c.sensor.random);
         c.sensor.previous_q = previous_q.data();
         c.sensor.rate = rate.data();
-        const int kind = whole("disturbance");
+        const int kind = settings.whole("disturbance");
         require(kind >= MR_CONSTANT && kind <= MR_WORST, "disturbance: 0 to 3");
         c.disturbance.kind = static_cast<mr_disturbance_kind>(kind);
         c.disturbance.constant = disturbance.data();
-        c.disturbance.frequency = number("frequency");
-        seed("disturbance_seed", c.disturbance.random);
+        c.disturbance.frequency = settings.number("frequency");
+        settings.seed("disturbance_seed", c.disturbance.random);
         c.last_outside = -1.0;
         c.q = q.data();
         c.dq = dq.data();
@@ -764,7 +775,7 @@ class Loop {
     const Model &model;
     Doubles parameters, disturbance, q, dq, tau_previous, tau_max, total_variation, ticks_at_limit;
     Doubles previous_q, rate, workspace;
-    std::vector<Doubles> sizes;
+    Named settings;
     nb::object plant;
     ControllerState state;
     mr_loop c{};
