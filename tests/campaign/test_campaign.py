@@ -17,6 +17,7 @@ import pytest
 import modrobust as mr
 from modrobust.campaign import Campaign, Record, campaign
 from modrobust.campaign import workers as of_workers
+from modrobust.campaign.campaign import chosen_settings
 from modrobust.campaign.figures import figures
 from modrobust.campaign.motions import LATE
 from modrobust.model import LoopSettings, Robot
@@ -248,3 +249,13 @@ def test_what_is_wrong_is_refused_before_a_run(
     with pytest.raises(mr.InputError) as refusal:
         campaign(robot, **{**GAINS, **arguments})
     assert message in str(refusal.value)
+
+
+def test_parts_of_the_law_that_are_left_out_stay_out_beside_auto(
+    robot: Robot, loop: LoopSettings
+) -> None:
+    for own in (True, False):
+        settings, _ = chosen_settings(robot, loop, own, {"law": "auto", "integral": False})
+        assert settings.law == "sampled"
+        assert not settings.integral
+        assert settings.predictor

@@ -11,9 +11,8 @@ import pytest
 import modrobust as mr
 from modrobust.campaign import Plan
 from modrobust.campaign.motions import REST, draw_motion
-from modrobust.campaign.plan import MOTIONS, NOISES, PARAMETERS, checked_plan
-from modrobust.control.settings import DISTURBANCES
-from modrobust.model import LoopSettings
+from modrobust.campaign.plan import MOTIONS, PARAMETERS, checked_plan
+from modrobust.model import DISTURBANCES, NOISES, LoopSettings
 from modrobust.simulation import true_robot
 
 

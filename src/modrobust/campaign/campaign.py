@@ -17,7 +17,6 @@ from modrobust.campaign.plan import (
     INITIAL_ERROR,
     MAX_RUNS,
     MOTIONS,
-    NOISES,
     PARAMETERS,
     checked_plan,
 )
@@ -26,10 +25,19 @@ from modrobust.campaign.workers import processors, run_all
 from modrobust.checks import as_integer
 from modrobust.checks.types import Array
 from modrobust.control import ControllerOptions, settings_dict
-from modrobust.control.settings import AUTO, DISTURBANCES, checked_loop, checked_settings, loop_dict
+from modrobust.control.controller import designed
+from modrobust.control.settings import AUTO, checked_settings
 from modrobust.design.points import light_parameters
 from modrobust.kernel import own_environment
-from modrobust.model import ControllerSettings, LoopSettings, Robot, check_robot
+from modrobust.model import (
+    DISTURBANCES,
+    NOISES,
+    ControllerSettings,
+    LoopSettings,
+    Robot,
+    check_robot,
+    checked_loop,
+)
 from modrobust.motion import make_trajectory
 from modrobust.simulation import SimulationResult
 from modrobust.simulation.metrics import plain
@@ -82,7 +90,7 @@ class Campaign:
                 "ok": self.ok,
                 "verdict": self.verdict,
                 "settings": settings_dict(job.settings),
-                "loop": loop_dict(job.loop),
+                "loop": job.loop.to_dict(),
                 "plan": dict(vars(job.plan)),
                 "plant": job.plant,
             }
@@ -106,7 +114,7 @@ def campaign(
     delay: float | None = None,
     loop: LoopSettings | None = None,
     parameters: Sequence[str] = PARAMETERS,
-    disturbances: Sequence[str] = tuple(DISTURBANCES),
+    disturbances: Sequence[str] = DISTURBANCES,
     noises: Sequence[str] = NOISES,
     motions: Sequence[str] = MOTIONS,
     initial_error: float | Sequence[float] | Array = INITIAL_ERROR,
@@ -192,14 +200,12 @@ def chosen_settings(
     settings = checked_settings(robot, options)
     if settings.law != AUTO:
         return settings, True
-    from modrobust.design.gains import design
-
     motion = make_trajectory(robot, None) if own else None
-    found = design(robot, loop, epsilon=settings.epsilon, motion=motion)
+    chosen, found = designed(robot, settings, loop, motion)
     # Runs take D_s as it is for any positions; along one motion alone it may have to give way less.
     light = light_parameters(robot, found.central)
     same = np.array_equal(light.packed, found.light.packed)
-    return found.settings, bool(own and same)
+    return chosen, bool(own and same)
 
 
 __all__ = ["Campaign", "campaign"]

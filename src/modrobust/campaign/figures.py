@@ -12,10 +12,8 @@ from modrobust.campaign.plan import Run
 from modrobust.checks.types import Array
 from modrobust.kernel import own_environment
 from modrobust.simulation import SimulationResult
-from modrobust.simulation.metrics import plain
+from modrobust.simulation.metrics import LARGEST_ERROR, MOST_AT_LIMIT, plain
 
-LARGEST_ERROR = 0.3  # [rad] or [m], late error of a good run
-MOST_AT_LIMIT = 0.05  # of the late ticks, of a good run
 _SETTLED = 6  # first logged ticks, which the largest v is not looked for in
 _STILL = 1e-3  # of the largest torque: less variation at 10 Hz counts as so much
 _SLOW = 0.1  # [s], sampling at 10 Hz

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +11,6 @@ from modrobust.campaign.figures import Record, figures
 from modrobust.campaign.motions import LATE, LATE_OF_OTHERS, TIMES, DrawnMotion, draw_motion
 from modrobust.campaign.plan import Plan, Run
 from modrobust.checks.types import Array
-from modrobust.control.controller import RateWarning
 from modrobust.kernel import own_environment
 from modrobust.model import ControllerSettings, LoopSettings, Robot
 from modrobust.motion import make_trajectory
@@ -66,19 +63,17 @@ class Job:
             late = LATE if TIMES[run.motion] <= 1.0 else LATE_OF_OTHERS
         if not feasible:  # then what the limits do says nothing about the law
             robot = replace(robot, effort_limits=np.full(robot.n, np.inf))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RateWarning)
-            result = simulate(
-                robot,
-                parameters=truth.parameters,
-                disturbance=truth.disturbance,
-                seed=run.seed,
-                trajectory=motion,
-                loop=loop,
-                plant=self.plant,
-                initial_error=self._initial_error(run, start.sample([0.0])[0][0]),
-                **_options(self.settings),
-            )
+        result = simulate(
+            robot,
+            parameters=truth.parameters,
+            disturbance=truth.disturbance,
+            seed=run.seed,
+            trajectory=motion,
+            loop=loop,
+            plant=self.plant,
+            initial_error=self._initial_error(run, start.sample([0.0])[0][0]),
+            **vars(self.settings),
+        )
         return result, late, feasible
 
     @own_environment()
@@ -108,7 +103,3 @@ def _true_robot(robot: Robot, parameters: str, seed: int) -> TrueRobot:
 @lru_cache(maxsize=_REMEMBERED)
 def _drawn_motion(robot: Robot, parameters: str, time: float, seed: int) -> DrawnMotion:
     return draw_motion(robot, _true_robot(robot, parameters, seed).parameters, time, seed)
-
-
-def _options(settings: ControllerSettings) -> dict[str, Any]:
-    return dict(vars(settings))

@@ -20,15 +20,12 @@ import numpy as np
 
 from modrobust.checks import as_integer, unknown_name
 from modrobust.checks.types import Array
-from modrobust.control.settings import DISTURBANCES
 from modrobust.errors import ShapeError, ValueRangeError
-from modrobust.model import LoopSettings, Robot
-from modrobust.simulation.remarks import is_noisy
+from modrobust.model import DISTURBANCES, NOISES, LoopSettings, Robot
 from modrobust.simulation.run import PARAMETER_CHOICES
 
 MAX_RUNS = 10**6
 PARAMETERS = ("lower", "upper", "corner", "random")
-NOISES = ("uniform", "worst")
 MOTIONS = ("own", "short", "long")
 INITIAL_ERROR = 0.005  # [rad] or [m], norm
 
@@ -50,7 +47,7 @@ class Plan:
 
     seed: int = 0
     parameters: tuple[str, ...] = PARAMETERS
-    disturbances: tuple[str, ...] = tuple(DISTURBANCES)
+    disturbances: tuple[str, ...] = DISTURBANCES
     noises: tuple[str, ...] = NOISES
     motions: tuple[str, ...] = MOTIONS
     initial_error: float | tuple[float, ...] = INITIAL_ERROR
@@ -109,12 +106,11 @@ def checked_plan(
         ValueRangeError: A kind is unknown or none is given, a number is out of its range.
         ShapeError: ``initial_error`` does not have one entry a joint.
     """
-    noisy = is_noisy(loop)
     return Plan(
         seed=as_integer("seed", seed, 0),
         parameters=_kinds("parameters", parameters, PARAMETER_CHOICES),
-        disturbances=_kinds("disturbances", disturbances, tuple(DISTURBANCES)),
-        noises=_kinds("noises", noises, NOISES) if noisy else ("none",),
+        disturbances=_kinds("disturbances", disturbances, DISTURBANCES),
+        noises=_kinds("noises", noises, NOISES) if loop.noisy else ("none",),
         motions=_kinds("motions", motions, MOTIONS),
         initial_error=_initial_error(robot, initial_error),
     )

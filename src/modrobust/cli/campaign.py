@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -13,7 +13,9 @@ from modrobust.cli.options import (
     Disturbance,
     Drive,
     Gravity,
+    HoldAware,
     Json,
+    Law,
     Lock,
     Mount,
     Noise,
@@ -26,6 +28,7 @@ from modrobust.cli.options import (
     Tip,
     Tolerance,
     Xacro,
+    error_norm,
     loop_of,
     robot,
     start_error,
@@ -74,14 +77,8 @@ def campaign(
     quantisation: Quantisation = None,
     saturation: Saturation = None,
     disturbance: Disturbance = None,
-    law: Annotated[
-        Literal["norm", "componentwise", "sampled", "auto"] | None,
-        typer.Option(help="Control law; auto chooses its gains. [file's]"),
-    ] = None,
-    hold_aware: Annotated[
-        bool | None,
-        typer.Option(help="Laws norm and componentwise: allow for the hold. [file's]"),
-    ] = None,
+    law: Law = None,
+    hold_aware: HoldAware = None,
     epsilon: Annotated[
         str | None,
         typer.Option(metavar="ERROR", help="Norm of the error to stay below. [file's]"),
@@ -121,9 +118,8 @@ def campaign(
     from modrobust.cli.campaign_runs import Repeated
     from modrobust.cli.output import ProgressBar, note, print_json
     from modrobust.cli.wording import named_as_options
-    from modrobust.control.settings import DISTURBANCES
     from modrobust.errors import ValueRangeError, visible
-    from modrobust.formats import parse_quantity
+    from modrobust.model import DISTURBANCES
     from modrobust.simulation.result import check_writable
 
     if log is not None and only is None:
@@ -136,12 +132,7 @@ def campaign(
     arm = robot(file, *places, drive=drive)
     loop = loop_of(arm, rate, delay, noise, quantisation, saturation)
     start = start_error(arm, initial_error)
-    radius = None
-    if epsilon is not None:
-        other = ("length",)
-        radius = parse_quantity(
-            epsilon, "angle", field="--epsilon", bounds=False, alternatives=other
-        ).nominal
+    radius = error_norm(epsilon, "--epsilon")
     kinds = MOTIONS if motions is None else [kind.strip() for kind in motions.split(",")]
     count = 1 if only is not None else runs
     with (
@@ -155,7 +146,7 @@ def campaign(
             seed=seed,
             only=only,
             loop=loop,
-            disturbances=tuple(DISTURBANCES) if disturbance is None else (disturbance,),
+            disturbances=DISTURBANCES if disturbance is None else (disturbance,),
             motions=kinds,
             initial_error=INITIAL_ERROR if start is None else start,
             plant=plant,

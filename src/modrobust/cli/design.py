@@ -23,6 +23,7 @@ from modrobust.cli.options import (
     Tip,
     Tolerance,
     Xacro,
+    error_norm,
     loop_of,
     robot,
 )
@@ -87,14 +88,9 @@ def design(
     from modrobust.cli.wording import named_as_options
     from modrobust.design import design as choose
     from modrobust.errors import visible
-    from modrobust.formats import parse_quantity
     from modrobust.motion import make_trajectory
 
-    wanted = None
-    if epsilon is not None:
-        wanted = parse_quantity(
-            epsilon, "angle", field="--epsilon", bounds=False, alternatives=("length",)
-        ).nominal
+    wanted = error_norm(epsilon, "--epsilon")
     places = (base, tip, lock, tolerance, payload, mount, gravity, xacro, package)
     arm = robot(file, *places, drive=drive)
     loop = loop_of(arm, rate, delay, noise, quantisation)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from modrobust.cli.output import number, show, table
+from modrobust.cli.output import number, position_unit, show, table
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -133,8 +133,7 @@ def _helps(helps: tuple[Help, ...], found: Design) -> Table:
 
 
 def _unit(found: Design) -> str:
-    turns = found.robot.free_turns
-    return "rad" if turns.all() else "m" if not turns.any() else "rad or m"
+    return position_unit(found.robot)
 
 
 def _acceleration(found: Design) -> str:

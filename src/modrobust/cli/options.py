@@ -114,6 +114,16 @@ Disturbance = Annotated[
 ]
 
 
+Law = Annotated[
+    Literal["norm", "componentwise", "sampled", "auto"] | None,
+    typer.Option(help="Control law; auto chooses its gains. [file's]"),
+]
+HoldAware = Annotated[
+    bool | None,
+    typer.Option(help="Laws norm and componentwise: allow for the hold. [file's]"),
+]
+
+
 class PlainCommand(TyperCommand):
     """A command whose refusals do not speak of the library that found them."""
 
@@ -134,6 +144,17 @@ def seconds(text: str | None) -> float | None:
     from modrobust.formats import parse_quantity
 
     return parse_quantity(text, "time", field="--duration", bounds=False).nominal
+
+
+def error_norm(text: str | None, option: str) -> float | None:
+    """The norm of an error, such as ``0.01 rad`` or ``5 mm``, in SI units."""
+    if text is None:
+        return None
+    from modrobust.formats import parse_quantity
+
+    return parse_quantity(
+        text, "angle", field=option, bounds=False, alternatives=("length",)
+    ).nominal
 
 
 def loop_of(
@@ -175,13 +196,11 @@ def start_error(robot: Robot, text: str | None) -> float | tuple[float, ...] | N
     if text is None:
         return None
     from modrobust.cli.wording import named_as_options
-    from modrobust.formats import PerJoint, parse_quantity
+    from modrobust.formats import PerJoint
     from modrobust.formats.inline import parse_inline
 
     if "=" not in text and ":" not in text:
-        return parse_quantity(
-            text, "angle", field="--initial-error", bounds=False, alternatives=("length",)
-        ).nominal
+        return error_norm(text, "--initial-error")
     with named_as_options("initial_error"):
         errors = PerJoint(parse_inline(text, "initial_error"), "initial_error", "position")
         found = errors.resolve(robot.joint_names, robot.free_types)

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from rich.progress import Progress
     from rich.table import Table
 
+    from modrobust.model import Robot
+
 
 def show(*results: RenderableType, style: str = "") -> None:
     """Write results to stdout; no colour nor bold when it is no terminal or NO_COLOR is set.
@@ -153,3 +155,9 @@ class ProgressBar:
             self._task = self._bar.add_task(self._label, total=1.0)
             self._bar.start()
         self._bar.update(self._task, completed=done, description=label or self._label)
+
+
+def position_unit(robot: Robot) -> str:
+    """Unit of positions and of their errors: that of all joints, or both."""
+    turns = robot.free_turns
+    return "rad" if turns.all() else "m" if not turns.any() else "rad or m"

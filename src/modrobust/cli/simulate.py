@@ -13,7 +13,9 @@ from modrobust.cli.options import (
     Disturbance,
     Drive,
     Gravity,
+    HoldAware,
     Json,
+    Law,
     Lock,
     Mount,
     Noise,
@@ -79,14 +81,8 @@ def simulate(
     bound: Annotated[
         Literal["hull", "ianea"] | None, typer.Option(help="Bound of the perturbation.")
     ] = None,
-    law: Annotated[
-        Literal["norm", "componentwise", "sampled", "auto"] | None,
-        typer.Option(help="Control law; auto chooses its gains. [file's]"),
-    ] = None,
-    hold_aware: Annotated[
-        bool | None,
-        typer.Option(help="Laws norm and componentwise: allow for the hold. [file's]"),
-    ] = None,
+    law: Law = None,
+    hold_aware: HoldAware = None,
     duration: Annotated[
         str | None, typer.Option(metavar="TIME", help="Simulated time, e.g. 10s or 500ms.")
     ] = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from modrobust.cli.output import number, show, table, times, words
+from modrobust.cli.output import number, position_unit, show, table, times, words
 from modrobust.cli.verdict import print_verdict, truth
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def _loop(robot: Robot, loop: Mapping[str, Any]) -> list[str]:
     lines = [
         f"A command every {1e3 / loop['rate']:.4g} ms ({loop['rate'] / 1e3:g} kHz), held{late}."
     ]
-    unit = "rad" if robot.free_turns.all() else "m" if not robot.free_turns.any() else "rad or m"
+    unit = position_unit(robot)
     said = []
     for what in ("noise", "quantisation"):
         sizes = [max(loop[f"{what}_{kind}"], default=0.0) for kind in ("position", "velocity")]

@@ -33,14 +33,14 @@ from modrobust.control.settings import (
     AUTO,
     PARTS,
     ControllerOptions,
-    checked_loop,
     checked_settings,
     make_kernel_controller,
 )
+from modrobust.control.takeover import take_over
 from modrobust.design import Design, central_parameters, design, light_parameters
 from modrobust.errors import ModrobustError, ValueRangeError
 from modrobust.kernel import own_environment, status_error
-from modrobust.model import ControllerSettings, LoopSettings, Robot, check_robot
+from modrobust.model import ControllerSettings, LoopSettings, Robot, check_robot, checked_loop
 from modrobust.motion import Trajectory, make_trajectory
 
 SOLVER_ERROR = 1e-6  # [rad s]: the usual absolute tolerance of ODE solvers
@@ -124,9 +124,9 @@ class RobustController:
         settings = checked_settings(robot, options)
         self.design: Design | None = None
         if settings.law == AUTO:
-            self.design = chosen(robot, settings, self.loop, motion)
-            parts = {name: getattr(settings, name) for name in PARTS}
-            settings = replace(self.design.settings, bound=settings.bound, **parts)
+            if motion is None and robot.trajectory is not None:
+                motion = make_trajectory(robot, None)
+            settings, self.design = designed(robot, settings, self.loop, motion)
             self._points = self.design.central, self.design.light
         elif settings.law == "sampled" or settings.hold_aware:
             central = central_parameters(robot)
@@ -179,7 +179,6 @@ class RobustController:
         """
         return needed_rate(self.robot, self.settings, self.loop, self._motion)
 
-    @own_environment()
     def command(
         self,
         t: float,
@@ -217,8 +216,8 @@ class RobustController:
             raise ValueRangeError(f"t: {time:g} s; must be finite")
         signals = self._signals((), q=q, dq=dq, q_des=q_des, dq_des=dq_des, ddq_des=ddq_des)
         try:
-            if self._before is not None:
-                self._take_over(time, signals)
+            if self._before is not None and self.settings.law == "sampled":
+                take_over(self._before, self.kernel, self.robot.n, time, signals)
             out = self.kernel.command(time, *signals.values())
         except _kernel.KernelError as problem:
             raise self._refusal(problem, signals) from None
@@ -410,22 +409,6 @@ class RobustController:
         except _kernel.KernelError as problem:
             raise self._refusal(problem, signals) from None
 
-    def _take_over(self, time: float, signals: Mapping[str, Array]) -> None:
-        """Moves sigma by what the nominal torque jumps where another payload is counted on."""
-        if self.settings.law != "sampled" or self._before is None:
-            return
-        memory = self.kernel.memory()
-        old = self._before.memory()
-        try:
-            jump = self._before.command(time, *signals.values())[1]
-            jump = jump - self.kernel.command(time, *signals.values())[1]
-        finally:
-            self._before.recall(*old)
-            self.kernel.recall(*memory)
-        remembered = np.array(memory[5])
-        remembered[: self.robot.n] += jump
-        self.kernel.recall(*memory[:5], remembered, *memory[6:])
-
     def _refusal(
         self, problem: _kernel.KernelError, signals: Mapping[str, Array]
     ) -> ModrobustError:
@@ -445,10 +428,13 @@ class RobustController:
         return {name: as_array(name, value, shape, owner) for name, value in named.items()}
 
 
-def chosen(
+def designed(
     robot: Robot, settings: ControllerSettings, loop: LoopSettings, motion: Trajectory | None
-) -> Design:
-    """The design of the law ``auto``; what the settings say beside the gains stands."""
-    if motion is None and robot.trajectory is not None:
-        motion = make_trajectory(robot, None)
-    return design(robot, loop, epsilon=settings.epsilon, motion=motion)
+) -> tuple[ControllerSettings, Design]:
+    """The settings of the law ``auto`` with gains for a motion, None = any, and their design.
+
+    What the settings say beside the gains stands.
+    """
+    found = design(robot, loop, epsilon=settings.epsilon, motion=motion)
+    parts = {name: getattr(settings, name) for name in PARTS}
+    return replace(found.settings, bound=settings.bound, **parts), found

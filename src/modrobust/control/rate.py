@@ -97,11 +97,22 @@ def _share(
     if settings.law == "norm":
         rho = np.full(robot.n, np.linalg.norm(rho))
     gain = np.minimum(settings.kappa_P * rho + settings.phi_P, 1e300)
-    M = _kernel.mass_matrix(robot.model, light, q, True)
-    root = np.sqrt(gain)
-    scaled = np.linalg.solve(M, np.diag(root)) * root[:, None]
-    values, vectors = np.linalg.eigh((scaled + scaled.T) / 2.0)
-    return float(values[-1]), int(np.argmax(np.abs(vectors[:, -1])))
+    return fastest_mode(_kernel.mass_matrix(robot.model, light, q, True), np.diag(gain))
+
+
+def fastest_mode(M: Array, K: Array) -> tuple[float, int]:
+    """Largest eigenvalue of M^-1 K [1/s], and the entry of its vector that is largest.
+
+    Args:
+        M: Mass matrix, ``(n, n)``, positive definite [kg m^2].
+        K: Symmetric, ``(n, n)`` [N m s/rad].
+
+    Raises:
+        LinAlgError: M is not positive definite.
+    """
+    inverse = np.linalg.inv(np.linalg.cholesky(M))
+    values, vectors = np.linalg.eigh(inverse @ K @ inverse.T)
+    return float(values[-1]), int(np.argmax(np.abs(inverse.T @ vectors[:, -1])))
 
 
 def hertz(rate: float) -> str:

@@ -12,13 +12,22 @@ import numpy as np
 from modrobust import _kernel
 from modrobust.checks import as_number, as_real, shape_error, unknown_name
 from modrobust.checks.types import Array
+from modrobust.design.scalar import filter_share
 from modrobust.errors import ValueRangeError
 from modrobust.kernel import BOUNDS
-from modrobust.model import ControllerSettings, LoopSettings, Parameters, Robot, owner_of
+from modrobust.model import (
+    DISTURBANCES,
+    SENSOR_SIZES,
+    ControllerSettings,
+    LoopSettings,
+    Parameters,
+    Robot,
+    default_gains,
+    owner_of,
+)
 
 LAWS: Mapping[str, int] = {"norm": 0, "componentwise": 1, "sampled": 2}
 AUTO = "auto"
-MAX_RATE = 1e7  # [Hz]
 
 PerJoint = float | Mapping[str, float] | Sequence[float] | Array
 
@@ -73,7 +82,7 @@ def checked_settings(robot: Robot, options: ControllerOptions) -> ControllerSett
     own = robot.controller
     law = _known("law", str(given.get("law", own.law)), (*LAWS, AUTO))
     if law != own.law and law in LAWS:
-        own = _for_law(own, law, given)
+        own = _for_law(own, law)
     merged: dict[str, Any] = {**vars(own), **given, "law": law}
     merged["bound"] = _known("bound", merged["bound"], tuple(BOUNDS))
     merged["K_r"] = _per_joint("K_r", robot, merged["K_r"])
@@ -92,7 +101,7 @@ def checked_settings(robot: Robot, options: ControllerOptions) -> ControllerSett
     return _with_gains(settings) if law == "sampled" else settings
 
 
-def _for_law(own: ControllerSettings, law: str, given: Mapping[str, Any]) -> ControllerSettings:
+def _for_law(own: ControllerSettings, law: str) -> ControllerSettings:
     """The robot's settings where another law is asked for, without gains of the old one."""
     if law == "sampled" or own.law in ("sampled", AUTO):
         kept = {name: getattr(own, name) for name in ("bound", "epsilon")}
@@ -108,63 +117,12 @@ def _with_gains(settings: ControllerSettings) -> ControllerSettings:
             'G: nothing given; the law "sampled" needs it; give G [1/s], or the law "auto", which '
             "chooses it"
         )
+    Lambda, L_i = default_gains(G)
     return replace(
         settings,
-        Lambda=G / 2.0 if settings.Lambda is None else settings.Lambda,
-        L_i=0.05 * G * G if settings.L_i is None else settings.L_i,
+        Lambda=Lambda if settings.Lambda is None else settings.Lambda,
+        L_i=L_i if settings.L_i is None else settings.L_i,
     )
-
-
-def checked_loop(
-    robot: Robot, loop: LoopSettings | None, rate: float | None, delay: float | None
-) -> LoopSettings:
-    """The loop that is given, or the robot's own, with rate and delay laid over it.
-
-    Raises:
-        ValueRangeError: A setting is unknown, not finite or out of its range.
-        ShapeError: Noise or steps do not have one entry a joint.
-    """
-    found = robot.loop if loop is None else loop
-    if not isinstance(found, LoopSettings):
-        raise ValueRangeError(f"loop: a {type(found).__name__}; must be a LoopSettings")
-    hertz = as_number("rate", found.rate if rate is None else rate, "Hz")
-    if not (math.isfinite(hertz) and 1.0 <= hertz <= MAX_RATE):
-        raise ValueRangeError(
-            f"rate: {hertz:g} Hz; must lie in [1, {MAX_RATE:g}] Hz; most drives take 250 to 4000"
-        )
-    late = as_number("delay", found.delay if delay is None else delay)
-    if not 0.0 <= late <= 1.0:
-        raise ValueRangeError(f"delay: {late:g}; must lie in [0, 1], in periods of the loop")
-    for name, known in (
-        ("noise", ("uniform", "worst")),
-        ("velocity", ("measured", "differentiated")),
-        ("disturbance", tuple(DISTURBANCES)),
-    ):
-        _known(name, getattr(found, name), known)
-    for name in ("filter", "frequency"):
-        _number(name, getattr(found, name), positive=True)
-    sizes: dict[str, Any] = {}
-    for name in (
-        *("noise_position", "noise_velocity"),
-        *("quantisation_position", "quantisation_velocity"),
-    ):
-        sizes[name] = _sizes(name, robot, getattr(found, name))
-    return replace(found, rate=hertz, delay=late, **sizes)
-
-
-DISTURBANCES: Mapping[str, int] = {"constant": 0, "sine": 1, "random": 2, "worst": 3}
-
-
-def _sizes(name: str, robot: Robot, value: PerJoint) -> tuple[float, ...]:
-    array = np.asarray(value, dtype=np.float64)
-    if array.size == 0:
-        return ()
-    array = np.full(robot.n, float(array)) if array.ndim == 0 else array
-    if array.shape != (robot.n,):
-        raise shape_error(f"loop.{name}", (robot.n,), array.shape, owner_of(robot))
-    if not (np.isfinite(array).all() and (array >= 0.0).all()):
-        raise ValueRangeError(f"loop.{name}: must be finite and not negative")
-    return tuple(array.tolist())
 
 
 def kernel_gains(
@@ -201,24 +159,17 @@ def kernel_loop(loop: LoopSettings, seed: int, substeps: int, implicit: bool) ->
     words = [int(w) for w in np.random.SeedSequence(seed).generate_state(4, np.uint64)]
     period = 1.0 / loop.rate
     differentiated = loop.velocity == "differentiated"
-
-    def sizes(name: str) -> Array:
-        return np.array(getattr(loop, name), dtype=np.float64)
-
     return {
         "dt": period,
         "substeps": substeps,
         "implicit": int(implicit),
         "delay": loop.delay,
         "saturation": int(loop.saturation),
-        "noise_position": sizes("noise_position"),
-        "noise_velocity": sizes("noise_velocity"),
-        "quantisation_position": sizes("quantisation_position"),
-        "quantisation_velocity": sizes("quantisation_velocity"),
+        **{name: np.array(getattr(loop, name), dtype=np.float64) for name in SENSOR_SIZES},
         "noise_worst": int(loop.noise == "worst"),
-        "filter": -math.expm1(-2.0 * math.pi * loop.filter * period) if differentiated else 0.0,
+        "filter": filter_share(loop.filter, period) if differentiated else 0.0,
         "noise_seed": (words[0], words[1] | 1),
-        "disturbance": DISTURBANCES[loop.disturbance],
+        "disturbance": DISTURBANCES.index(loop.disturbance),
         "frequency": loop.frequency,
         "disturbance_seed": (words[2], words[3] | 1),
     }
@@ -279,11 +230,6 @@ def settings_dict(settings: ControllerSettings) -> dict[str, Any]:
         for name, value in asdict(settings).items()
     }
     return {**numbers, "K_r": list(settings.K_r)}
-
-
-def loop_dict(loop: LoopSettings) -> dict[str, Any]:
-    """The loop as plain Python, ready for JSON."""
-    return {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(loop).items()}
 
 
 def make_kernel_controller(

@@ -16,7 +16,7 @@ from modrobust import _kernel
 from modrobust.checks.types import Array
 from modrobust.design.need import Need, need
 from modrobust.design.points import central_parameters, light_parameters
-from modrobust.design.scalar import LAMBDA, LoopTiming, stable_gain
+from modrobust.design.scalar import LAMBDA, LoopTiming, filter_share, stable_gain
 from modrobust.design.spectra import Spectra, spectra
 from modrobust.design.states import MotionStates
 from modrobust.model import LoopSettings, Parameters, Robot
@@ -145,7 +145,7 @@ def measured_noise(loop: LoopSettings, n: int) -> tuple[Array, Array]:
     step = of(loop.quantisation_position)
     position = of(loop.noise_position) + 0.5 * step
     if loop.velocity == "differentiated":
-        passed = 1.0 - math.exp(-2.0 * math.pi * loop.filter / loop.rate)
+        passed = filter_share(loop.filter, 1.0 / loop.rate)
         velocity = (step + 2.0 * of(loop.noise_position)) * loop.rate * passed
     else:
         velocity = of(loop.noise_velocity) + 0.5 * of(loop.quantisation_velocity)

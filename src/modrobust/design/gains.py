@@ -25,7 +25,14 @@ from modrobust.design.states import MotionStates, states_along, states_of_any_mo
 from modrobust.dynamics import mass_matrix
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
-from modrobust.model import ControllerSettings, LoopSettings, Parameters, Robot, check_robot
+from modrobust.model import (
+    SENSOR_SIZES,
+    ControllerSettings,
+    LoopSettings,
+    Parameters,
+    Robot,
+    check_robot,
+)
 from modrobust.motion import Trajectory, make_trajectory
 from modrobust.motion.trajectory import (
     QUINTIC_PEAK_ACCELERATION,
@@ -112,9 +119,7 @@ class Design:
         found: dict[str, Any] = {
             "robot": self.robot.name,
             "motion": self.motion,
-            "loop": {
-                k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self.loop).items()
-            },
+            "loop": self.loop.to_dict(),
             "gains": {
                 "law": s.law,
                 "G": s.G,
@@ -333,12 +338,7 @@ def check_loop(robot: Robot, loop: LoopSettings) -> None:
             raise ValueRangeError(
                 f"{name}: {short(getattr(loop, name))} is not known; known: {', '.join(known)}"
             )
-    for name in (
-        "noise_position",
-        "noise_velocity",
-        "quantisation_position",
-        "quantisation_velocity",
-    ):
+    for name in SENSOR_SIZES:
         values = getattr(loop, name)
         if len(values) not in (0, robot.n):
             raise ShapeError(

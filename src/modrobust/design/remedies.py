@@ -14,7 +14,7 @@ from modrobust.design.choice import GainChoice, choose
 from modrobust.design.need import flat
 from modrobust.design.states import MotionStates
 from modrobust.design.twists import jacobians, motion, selection, torque_weights
-from modrobust.model import Bounded, LoopSettings, Parameters, Robot
+from modrobust.model import SENSOR_SIZES, Bounded, LoopSettings, Parameters, Robot
 
 _BODY = ("mass", "com", "inertia")
 _NAMES = {"mass": "mass", "com": "centre of mass", "inertia": "inertia", "rotor_inertia": "rotor"}
@@ -81,15 +81,7 @@ def _of_the_loop(
     yield f"twice the rate, {2.0 * loop.rate:g} Hz", other(replace(loop, rate=2.0 * loop.rate))
     if loop.delay > 0.0:
         yield "no delay", other(replace(loop, delay=0.0))
-    noisy = {
-        name: tuple(0.5 * x for x in getattr(loop, name))
-        for name in (
-            "noise_position",
-            "noise_velocity",
-            "quantisation_position",
-            "quantisation_velocity",
-        )
-    }
+    noisy = {name: tuple(0.5 * x for x in getattr(loop, name)) for name in SENSOR_SIZES}
     if any(any(values) for values in noisy.values()):
         yield "half the noise of the sensors", other(replace(loop, **noisy))  # type: ignore[arg-type]
     driven = _with_rotors(robot)

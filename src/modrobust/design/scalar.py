@@ -42,6 +42,11 @@ class LoopTiming:
     """Of the filter of a velocity differentiated from positions [Hz]; None: it is measured."""
 
 
+def filter_share(corner: float, period: float) -> float:
+    """Share of what is new that a filter of first order takes in a period [s]; its corner [Hz]."""
+    return -math.expm1(-2.0 * math.pi * corner * period)
+
+
 def stable_gain(found: Spectra, timing: LoopTiming) -> float:
     r"""G_stab [1/s]: 1/1.8 of the largest G for which every mode of (37) is stable.
 
@@ -119,7 +124,7 @@ def matrices(G: float, pi: Array, xi: Array, timing: LoopTiming, L_i: float = 0.
         rate = row(0.0, 1.0, 0.0, 0.0, 0.0)
         kept = row(0.0, 0.0, 0.0, 0.0, 0.0)
     else:
-        a = 1.0 - math.exp(-2.0 * math.pi * timing.corner * T)
+        a = filter_share(timing.corner, T)
         # v holds (1 - a) v_hat - a e / T of the last period: v_hat = v + a e / T.
         rate = row(a / T, 0.0, 0.0, 1.0, 0.0)
         kept = (1.0 - a) * rate - row(a / T, 0.0, 0.0, 0.0, 0.0)

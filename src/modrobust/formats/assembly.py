@@ -35,7 +35,12 @@ from modrobust.formats.nodes import ListNode, MapNode, Node, ScalarNode, Where, 
 from modrobust.formats.overlay import UrdfSource
 from modrobust.formats.payloads import read_payload, read_payloads
 from modrobust.formats.perjoint import PerJoint
-from modrobust.formats.quantity import Quantity, parse_point
+from modrobust.formats.quantity import (
+    Quantity,
+    parse_not_negative,
+    parse_point,
+    parse_positive,
+)
 from modrobust.formats.reader import read_description
 from modrobust.formats.span import points, pose_matrix
 from modrobust.kernel import own_environment
@@ -262,7 +267,7 @@ def _per_joint(
 def _trajectory(model: TrajectoryModel | None, directory: Path) -> TrajectoryEntry | None:
     if model is None:
         return None
-    duration = _above_zero(model.duration, "time", "trajectory.duration")
+    duration = parse_positive(model.duration, "time", "trajectory.duration")
     if isinstance(model, SinesModel):
         if not model.omega:
             raise model.node.entries["omega"].where.error(
@@ -292,7 +297,7 @@ def _waypoints(model: QuinticModel) -> tuple[tuple[float, PerJoint], ...]:
     last = None
     for index, point in enumerate(model.points):
         field = f"trajectory.points[{index}]"
-        at = _at_least(point.at, "time", f"{field}.at", 0.0)
+        at = parse_not_negative(point.at, "time", f"{field}.at")
         if at is None or (last is not None and at <= last):
             raise point.at.where.error(
                 f"{field}.at", f"{at:g} s after {last:g} s; times increase; order the points"
@@ -300,23 +305,3 @@ def _waypoints(model: QuinticModel) -> tuple[tuple[float, PerJoint], ...]:
         last = at
         waypoints.append((at, PerJoint(point.q, f"{field}.q", "position")))
     return tuple(waypoints)
-
-
-def _at_least(node: Node | None, dimension: str, field: str, least: float) -> float | None:
-    if node is None:
-        return None
-    value = parse_point(node, dimension, field)
-    if value < least:
-        raise node.where.error(field, f"{value:g} is negative; it is at least 0; write 0 or more")
-    return value
-
-
-def _above_zero(node: Node | None, dimensions: str | tuple[str, ...], field: str) -> float | None:
-    if node is None:
-        return None
-    value = parse_point(node, dimensions, field)
-    if value <= 0:
-        raise node.where.error(
-            field, f"{value:g} is not positive; it must be above 0; write a positive number"
-        )
-    return value

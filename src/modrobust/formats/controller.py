@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -11,8 +12,8 @@ from modrobust.formats.faults import Faults
 from modrobust.formats.fields import Flag, Part, PerJointValue, Point, Taken, choice, refuse
 from modrobust.formats.nodes import Node, ScalarNode, kind_of
 from modrobust.formats.perjoint import PerJoint
-from modrobust.formats.quantity import parse_point
-from modrobust.model import ControllerSettings
+from modrobust.formats.quantity import parse_not_negative, parse_positive
+from modrobust.model import ControllerSettings, default_gains
 
 _AUTO = "auto"  # also the law of a description that has no gains
 _LAWS = ("norm", "componentwise", "sampled", _AUTO)
@@ -131,20 +132,22 @@ def read_controller(entry: str | ControllerModel | None) -> Controller:
     law = model.law or _implied(model)
     faults = Faults()
 
-    def number(name: str, dimension: str | tuple[str, ...], least: str) -> float | None:
+    def number(
+        name: str,
+        dimension: str | tuple[str, ...],
+        parse: Callable[..., float | None] = parse_not_negative,
+    ) -> float | None:
         return faults.attempt(
-            lambda: _number(getattr(model, name), dimension, f"controller.{name}", least), None
+            lambda: parse(getattr(model, name), dimension, f"controller.{name}"), None
         )
 
-    numbers = {
-        name: number(name, "number", "zero") for name in ("kappa_P", "kappa_I", "phi_P", "phi_I")
-    }
-    numbers |= {name: number(name, "number", "above") for name in ("kappa_max", "phi_max")}
-    numbers |= {name: number(name, "rate", "above") for name in ("G", "Lambda")}
-    numbers["L_i"] = number("L_i", "rate of a rate", "zero")
-    numbers["leak"] = number("leak", "rate", "zero")
-    numbers["blend"] = number("blend", "time", "zero")
-    numbers["epsilon"] = number("epsilon", ("angle", "length"), "above")
+    numbers = {name: number(name, "number") for name in ("kappa_P", "kappa_I", "phi_P", "phi_I")}
+    numbers |= {name: number(name, "number", parse_positive) for name in ("kappa_max", "phi_max")}
+    numbers |= {name: number(name, "rate", parse_positive) for name in ("G", "Lambda")}
+    numbers["L_i"] = number("L_i", "rate of a rate")
+    numbers["leak"] = number("leak", "rate")
+    numbers["blend"] = number("blend", "time")
+    numbers["epsilon"] = number("epsilon", ("angle", "length"), parse_positive)
     K_r = faults.attempt(lambda: _positive_per_joint(model.K_r, "controller.K_r"), None)
     _check_ceilings(model, numbers, faults)
     for key in model.node:
@@ -160,8 +163,8 @@ def read_controller(entry: str | ControllerModel | None) -> Controller:
             )
     faults.stop()
     if G is not None:
-        numbers["Lambda"] = G / 2.0 if numbers["Lambda"] is None else numbers["Lambda"]
-        numbers["L_i"] = 0.05 * G * G if numbers["L_i"] is None else numbers["L_i"]
+        for name, value in zip(("Lambda", "L_i"), default_gains(G), strict=True):
+            numbers[name] = value if numbers[name] is None else numbers[name]
     return Controller(
         law=law,
         bound=model.bound,
@@ -211,21 +214,6 @@ def _check_ceilings(
                     f"{name}_P and grows to its ceiling; raise the ceiling or lower {name}_P",
                 )
             )
-
-
-def _number(
-    node: Node | None, dimension: str | tuple[str, ...], field: str, least: str
-) -> float | None:
-    if node is None:
-        return None
-    value = parse_point(node, dimension, field)
-    if least == "above" and value <= 0:
-        raise node.where.error(
-            field, f"{value:g} is not positive; it must be above 0; write a positive number"
-        )
-    if value < 0:
-        raise node.where.error(field, f"{value:g} is negative; it is at least 0; write 0 or more")
-    return value
 
 
 def _positive_per_joint(node: Node | None, field: str) -> PerJoint | None:

@@ -13,7 +13,7 @@ from modrobust.formats.fields import Flag, Part, PerJointValue, Point, check, ch
 from modrobust.formats.given import given_mapping
 from modrobust.formats.nodes import MapNode, Node
 from modrobust.formats.perjoint import PerJoint
-from modrobust.formats.quantity import parse_point
+from modrobust.formats.quantity import parse_point, parse_positive
 from modrobust.model import LoopSettings
 
 _NO = "none"  # on one line: no noise, whatever the file has
@@ -124,15 +124,17 @@ def read_loop(model: LoopModel | None) -> Loop:
     faults = Faults()
     attempt = faults.attempt
     loop = Loop(
-        rate=attempt(lambda: _positive(model.rate, "loop.rate"), None),
+        rate=attempt(lambda: parse_positive(model.rate, "frequency", "loop.rate"), None),
         delay=attempt(lambda: _delay(model.delay), None),
         noise=attempt(lambda: _noise(model.noise, "loop.noise"), None),
         quantisation=attempt(lambda: _steps(model.quantisation, "loop.quantisation"), None),
         velocity=model.velocity,
-        filter=attempt(lambda: _positive(model.filter, "loop.filter"), None),
+        filter=attempt(lambda: parse_positive(model.filter, "frequency", "loop.filter"), None),
         saturation=model.saturation,
         disturbance=model.disturbance,
-        frequency=attempt(lambda: _positive(model.frequency, "loop.frequency"), None),
+        frequency=attempt(
+            lambda: parse_positive(model.frequency, "frequency", "loop.frequency"), None
+        ),
     )
     with faults.caught():
         _check_used(model)
@@ -222,17 +224,6 @@ def _delay(node: Node | None) -> float | None:
             "loop.delay",
             f"{value:g} periods; a command acts 0 to 1 periods late; write a number in "
             "[0, 1], or the rate at which it is so",
-        )
-    return value
-
-
-def _positive(node: Node | None, field: str) -> float | None:
-    if node is None:
-        return None
-    value = parse_point(node, "frequency", field)
-    if value <= 0:
-        raise node.where.error(
-            field, f"{value:g} is not positive; it must be above 0; write a positive number"
         )
     return value
 

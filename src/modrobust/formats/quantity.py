@@ -148,6 +148,32 @@ def parse_point(node: Node, dimensions: str | tuple[str, ...], field: str) -> fl
     return nearest(parse_exact(node, dimensions, field))
 
 
+def parse_not_negative(
+    node: Node | None, dimensions: str | tuple[str, ...], field: str
+) -> float | None:
+    """As `parse_point`, None for no node; a number below 0 is refused."""
+    if node is None:
+        return None
+    value = parse_point(node, dimensions, field)
+    if value < 0:
+        raise node.where.error(field, f"{value:g} is negative; it is at least 0; write 0 or more")
+    return value
+
+
+def parse_positive(
+    node: Node | None, dimensions: str | tuple[str, ...], field: str
+) -> float | None:
+    """As `parse_point`, None for no node; a number that is not above 0 is refused."""
+    if node is None:
+        return None
+    value = parse_point(node, dimensions, field)
+    if value <= 0:
+        raise node.where.error(
+            field, f"{value:g} is not positive; it must be above 0; write a positive number"
+        )
+    return value
+
+
 def parse_exact(node: Node, dimensions: str | tuple[str, ...], field: str) -> Fraction:
     """The number without bounds that a node says, in SI units, to 10^-99 where pi is in it."""
     names = (dimensions,) if isinstance(dimensions, str) else dimensions

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -54,6 +55,20 @@ class ControllerSettings:
     vector_saturation: bool = True
 
 
+def default_gains(G: float) -> tuple[float, float]:
+    """Lambda and L_i of ``sampled`` where G alone is given, [1/s] and [1/s^2]; (35) has both."""
+    return G / 2.0, 0.05 * G * G
+
+
+SENSOR_SIZES = (
+    *("noise_position", "noise_velocity"),
+    *("quantisation_position", "quantisation_velocity"),
+)
+"""Fields of `LoopSettings` that have one size a joint, or none."""
+NOISES, VELOCITIES = ("uniform", "worst"), ("measured", "differentiated")
+DISTURBANCES = ("constant", "sine", "random", "worst")
+
+
 @dataclass(frozen=True)
 class LoopSettings:
     """The loop as the drive runs it; see docs/theory/equations.md, (28).
@@ -74,6 +89,8 @@ class LoopSettings:
         frequency: Of a sine [Hz].
 
     What takes them, such as `simulate`, checks them.
+
+    Source: our own; (28) of docs/theory/equations.md.
     """
 
     rate: float = 1000.0
@@ -88,6 +105,16 @@ class LoopSettings:
     saturation: bool = False
     disturbance: str = "constant"
     frequency: float = 1.0
+
+    @property
+    def noisy(self) -> bool:
+        """Whether the measurement has errors: no torque is without any fast part then."""
+        sizes = (getattr(self, name) for name in SENSOR_SIZES)
+        return self.velocity == "differentiated" or any(any(size) for size in sizes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain Python, ready for JSON."""
+        return {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self).items()}
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ import numpy as np
 
 from modrobust import _kernel
 from modrobust.checks.types import Array
-from modrobust.control.rate import hertz
+from modrobust.control.rate import fastest_mode, hertz
 from modrobust.design.points import central_parameters, light_parameters
 from modrobust.model import ControllerSettings, Parameters, Robot
 
@@ -187,10 +187,8 @@ def _share(
         return None
     if not (np.isfinite(K).all() and np.linalg.eigvalsh(M)[0] > 0.0):
         return None
-    inverse = np.linalg.inv(np.linalg.cholesky(M))
-    values, vectors = np.linalg.eigh(inverse @ K @ inverse.T)
-    joint = int(np.argmax(np.abs(inverse.T @ vectors[:, -1])))
-    return float(values[-1]), joint, float(K[joint, joint])
+    value, joint = fastest_mode(M, K)
+    return value, joint, float(K[joint, joint])
 
 
 def _rounded_up(rate: float) -> float:

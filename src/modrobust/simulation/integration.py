@@ -19,6 +19,7 @@ import numpy as np
 
 from modrobust import _kernel
 from modrobust.checks import as_integer
+from modrobust.control.rate import fastest_mode
 from modrobust.kernel import own_environment
 from modrobust.model import Parameters, Robot
 from modrobust.motion import Trajectory
@@ -89,13 +90,11 @@ def friction_rate(robot: Robot, parameters: Parameters, positions: np.ndarray) -
     np.add.at(of_free, robot.mimic.leaders, robot.mimic.multiplier**2 * slope[robot.mimic.joints])
     if not of_free.any():
         return 0.0
-    root = np.sqrt(of_free)
     found = 0.0
     for q in positions:
         try:
             M = _kernel.mass_matrix(robot.model, parameters.packed, np.ascontiguousarray(q), True)
         except _kernel.KernelError:
             return math.inf
-        scaled = np.linalg.solve(M, np.diag(root)) * root[:, None]
-        found = max(found, float(np.linalg.eigvalsh((scaled + scaled.T) / 2.0)[-1]))
+        found = max(found, fastest_mode(M, np.diag(of_free))[0])
     return found

@@ -9,6 +9,7 @@ import numpy as np
 
 from modrobust.model import ControllerSettings, LoopSettings, Robot
 from modrobust.motion import Trajectory, default_trajectory
+from modrobust.simulation.metrics import LARGEST_ERROR, MOST_AT_LIMIT
 from modrobust.simulation.result import SimulationResult
 from modrobust.simulation.run import simulate
 
@@ -16,8 +17,6 @@ LARGEST = 4.0
 _HALVINGS = 5  # to a tenth
 _DURATION = 2.0  # [s], of each run
 _LATE = 0.5  # [s], from when on the start is over
-_LOST = 0.3  # [rad] or [m], an error that large is no tracking
-_OFTEN = 0.05  # of the ticks at a torque limit
 _CASES = (("lower", 0), ("upper", 0), ("corner", 1), ("corner", 2), ("random", 3))
 
 Progress = Callable[[float], None]
@@ -118,10 +117,10 @@ def _failed(run: SimulationResult) -> str | None:
     if s is None or s.status != 0:
         return "the loop diverged"
     late = run.error[run.t >= _LATE]
-    if late.size and not float(late.max()) < _LOST:
+    if late.size and not float(late.max()) < LARGEST_ERROR:
         return f"the error reached {late.max():.2g}"
     at_limit = np.asarray(s.ticks_at_limit) / max(s.ticks, 1)
-    if at_limit.max() > _OFTEN:
+    if at_limit.max() > MOST_AT_LIMIT:
         joint = run.robot.joint_names[int(np.argmax(at_limit))]
         return f"{joint} was at its torque limit at {at_limit.max():.0%} of the ticks"
     return None

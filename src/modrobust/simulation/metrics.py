@@ -8,6 +8,8 @@ import numpy as np
 
 from modrobust.checks.types import Array
 
+LARGEST_ERROR = 0.3  # [rad] or [m], late error of a good run
+MOST_AT_LIMIT = 0.05  # of the ticks of a good run, that torque limits may cut a command
 CHATTERING_WINDOW = 5.0  # [s]
 CHATTERING_LIMIT = 1.1
 _SLOW = 0.1  # [s], sampling at 10 Hz

@@ -42,7 +42,7 @@ def remarks(
         tau: Torques (m, n) [N m] or [N].
         noisy: See `modrobust.simulation.metrics.chattering`.
     """
-    if is_noisy(loop):
+    if loop.noisy:
         said = [*_restless(robot, controller, loop, t, q, tau)]
     else:
         said = [*_chattering(robot, controller, noisy)]
@@ -57,15 +57,6 @@ def remarks(
             f"duration of {duration:g} s; raise the duration"
         )
     return said
-
-
-def is_noisy(loop: LoopSettings) -> bool:
-    """Whether the measurement has errors: no torque is without any fast part then."""
-    sizes = (
-        *(loop.noise_position, loop.noise_velocity),
-        *(loop.quantisation_position, loop.quantisation_velocity),
-    )
-    return loop.velocity == "differentiated" or any(any(size) for size in sizes)
 
 
 def _chattering(robot: Robot, controller: ControllerSettings, noisy: Array | None) -> Iterator[str]:
@@ -174,4 +165,4 @@ def _overruns(
         )
 
 
-__all__ = ["is_noisy", "remarks"]
+__all__ = ["remarks"]

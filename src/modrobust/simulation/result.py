@@ -18,11 +18,17 @@ from modrobust.errors import ModrobustError
 from modrobust.kernel import own_environment
 from modrobust.model import ControllerSettings, LoopSettings, Parameters, Robot
 from modrobust.simulation.divergence import Divergence, find_divergence
-from modrobust.simulation.metrics import CHATTERING_LIMIT, chattering, plain, ratio, time_statistics
-from modrobust.simulation.remarks import is_noisy, remarks
+from modrobust.simulation.metrics import (
+    CHATTERING_LIMIT,
+    MOST_AT_LIMIT,
+    chattering,
+    plain,
+    ratio,
+    time_statistics,
+)
+from modrobust.simulation.remarks import remarks
 
 _LOG_FILE = (".npz", "a log")
-_OFTEN = 0.05  # of the ticks, that torque limits may cut a command of a good run
 
 LOGGED = (
     *(
@@ -233,8 +239,8 @@ class SimulationResult:
                     f'joint "{self.robot.joint_names[j]}" needed {s.tau_max[j]:.4g} {unit}, '
                     f"beyond its limit of {limit:.4g} {unit}"
                 )
-        if s.limited > _OFTEN * s.ticks:
-            reasons.append(f"{self._limits_named}: more than {_OFTEN:.0%} of the time")
+        if s.limited > MOST_AT_LIMIT * s.ticks:
+            reasons.append(f"{self._limits_named}: more than {MOST_AT_LIMIT:.0%} of the time")
         return reasons
 
     @property
@@ -320,7 +326,7 @@ class SimulationResult:
             "width_ianea": width_ianea,
             "ianea_over_hull": ratio(width_ianea, width_hull),
             "chattering": self.chattering,
-            "chattering_limit": None if is_noisy(self.loop) else CHATTERING_LIMIT,
+            "chattering_limit": None if self.loop.noisy else CHATTERING_LIMIT,
             "limited": 0 if s is None else s.limited,
             "ticks_at_limit": None if s is None else s.ticks_at_limit,
             "command_time": time_statistics(self.command_seconds),

@@ -25,10 +25,10 @@ from modrobust import _kernel
 from modrobust.checks import as_array, as_integer, as_number, did_you_mean
 from modrobust.checks.types import Array
 from modrobust.control import ControllerOptions, RobustController, settings_dict
-from modrobust.control.settings import checked_loop, kernel_loop, loop_dict
+from modrobust.control.settings import kernel_loop
 from modrobust.errors import ShapeError, ValueRangeError
 from modrobust.kernel import own_environment
-from modrobust.model import LoopSettings, Parameters, Robot, check_robot
+from modrobust.model import LoopSettings, Parameters, Robot, check_robot, checked_loop
 from modrobust.motion import Trajectory, make_trajectory
 from modrobust.motion.limits import (
     check_duration,
@@ -227,7 +227,7 @@ def simulate(
         "motion_time": motion_time(motion),
         "motion_remarks": motion_remarks(robot, motion, duration),
         "duration": duration,
-        "loop": loop_dict(settled),
+        "loop": settled.to_dict(),
         "rate_needed": None if need is None else need.rate,
         "rate_warning": None if need is None else need.warning,
         "design": None if controller.design is None else controller.design.to_dict(),
